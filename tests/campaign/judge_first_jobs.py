@@ -138,10 +138,11 @@ def _faults_of_numbers(result: Result, job: Job) -> Iterator[str]:
         bar = largest.k_range_spread
         allowed = FINITE * k_t_range + PRESSED * largest.k_i_range + 1e-9 * scale
         yield from _off(largest.front, "ΔK_T", largest.k_range, bar, k_t_range, allowed)
-    if slip is not None and contact.steady:
+    cycle = result.loads.cycle
+    if slip is not None and contact.steady and cycle is not None:
         for each in contact.stations:
             for zone in each.slip_zones[-2:]:
-                if zone.resolved:
+                if zone.resolved and zone.start >= cycle[0]:
                     yield from _off(each.front, "d", zone.length, zone.spread, slip, BORDER)
 
 

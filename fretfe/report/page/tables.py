@@ -81,13 +81,14 @@ def _edge_cells(edge: Station) -> list[str]:
         "gross" if zone.gross else marked(number(zone.reported_length, 3), zone.uncertain)
         for zone in zones
     ]
-    predicted = [_predicted(edge, zone) for zone in zones]
+    predicted = [edge.told_prediction(zone) for zone in zones]
+    known = " / ".join(number(each, 3) for each in predicted if math.isfinite(each)) or MISSING
     return [
         number(edge.position[edge.last]),
         marked(number(edge.reported_k_n), edge.uncertain),
         marked(number(edge.reported_range), edge.uncertain_range),
         " / ".join(measured) or MISSING,
-        " / ".join(predicted) or MISSING,
+        marked(known, edge.uncertain or edge.uncertain_range),
     ]
 
 
