@@ -64,6 +64,11 @@ most = Min(contact_x, cz) / 2;
 If (size > most)
   Error("size: expected at most %.6g (half of the smaller half width of the contact), found %g", most, size); wrong = 1;
 EndIf
+// 200 elements over the half width are half a million triangles on a face, millions of cells beneath.
+least = Min(contact_x, cz) / 200;
+If (size < least)
+  Error("size: expected at least %.6g (200 elements over the smaller half width of the contact), found %g", least, size); wrong = 1;
+EndIf
 For up In {1 : -1 : -2}
   flat = (up < 0 && lower_radius == 0);
   rx = (up > 0) ? radius_x : lower_radius;

@@ -289,4 +289,4 @@ def test_overhang_needs_enough_nodes() -> None:
 )
 def test_why_no_root(pressure: list[float], reason: str) -> None:
     x, p = np.arange(float(len(pressure))), np.array(pressure, dtype=float)
-    assert re.search(reason, why_no_root(x, p, main_patch(x, p), plane_front("left")))
+    assert re.search(reason, why_no_root(x, p, main_patch(x, p), plane_front("left")).text)

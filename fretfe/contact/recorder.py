@@ -56,14 +56,13 @@ class Extent:
     Attributes:
         smallest_gap: smallest nodal gap.
         largest_gap: largest nodal gap, without its sign.
-        pressure: largest weighted pressure.
-        motion: largest weighted displacement of a node by the coordinates.
+        carried: largest ratio of what pressure deforms the bodies by in a state to the largest
+            weighted displacement of a node by the coordinates in that state.
     """
 
     smallest_gap: float = np.inf
     largest_gap: float = 0.0
-    pressure: float = 0.0
-    motion: float = 0.0
+    carried: float = 0.0
 
     def add(self, interface: Interface, state: ContactState) -> None:
         """Extend it by a state."""
@@ -71,8 +70,10 @@ class Extent:
         moved = np.abs(interface.motion * state.coordinates)
         self.smallest_gap = min(self.smallest_gap, float(gap.min()))
         self.largest_gap = max(self.largest_gap, float(np.abs(gap).max()))
-        self.pressure = max(self.pressure, float(state.traction[:, 0].max()))
-        self.motion = max(self.motion, float(moved.max(initial=0.0)))
+        pressed = interface.compliance.level * float(state.traction[:, 0].max())
+        motion = float(moved.max(initial=0.0))
+        if pressed > 0:
+            self.carried = max(self.carried, pressed / motion if motion else np.inf)
 
 
 class Recorder:
@@ -383,9 +384,12 @@ class Recorder:
 
     @property
     def contact_carries(self) -> bool:
-        """True if any contact deforms the bodies by more than round-off of their motion."""
-        pressed = self._interface.compliance.level * self._extent.pressure
-        return bool(pressed > ROUND_OFF * self._extent.motion)
+        """True if any contact deforms the bodies by more than round-off of their motion.
+
+        Of that in the same state: where bodies part, a force that is round-off itself may move them
+        anywhere.
+        """
+        return self._extent.carried > ROUND_OFF
 
     @property
     def bodies_restrained_by_contact(self) -> list[str]:

@@ -17,6 +17,7 @@ from typing import Annotated, Any, get_origin, get_type_hints
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.withheld import TOLD, Withheld
 from fretfe.local.problem import Tractions
 
 # Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
@@ -59,6 +60,11 @@ def histories(owner: type) -> list[str]:
 def reported(value: float, spread: float) -> float:
     """A number with its error bar; NaN if the bar is unknown or more than half of the number."""
     return float(value) if spread <= NO_NUMBER * abs(value) else math.nan
+
+
+def uncertain_factor(value: float, spread: float) -> bool:
+    """True if a factor is known to less than a twentieth, or not how well."""
+    return math.isfinite(value) and not spread <= LARGEST_SPREAD * abs(value)
 
 
 def known_length(length: float, spread: float) -> bool:
@@ -335,6 +341,7 @@ class Station(StationHistory):
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description. Of solids by
             `length`, the depth of the contact and the bend of the front.
+        lack: why K_N in the state `last`, or the range, is not known.
         k_angle: in degrees, between -90 and 90.
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
             if the factors are known in closed form at any time, NaN if nothing can be compared.
@@ -366,6 +373,7 @@ class Station(StationHistory):
     end: Annotated[bool, Quantity("", "whether the station is too near an end for a verdict")] = (
         False
     )
+    lack: Withheld = TOLD
     k_n_moved: Annotated[float, Quantity("k_n", "K_N by the movement of the front")]
     k_n_moved_spread: Annotated[float, Quantity("k_n", "its error bar")]
     k_n_moved_reason: Annotated[str, Quantity("", "why that is not known")] = ""
@@ -449,15 +457,18 @@ class Station(StationHistory):
     @property
     def uncertain(self) -> bool:
         """True if the fits of K_N in the state `last` spread too far for a prediction."""
-        k_n, spread = self.last_k_n
-        return spread > LARGEST_SPREAD * k_n
+        return uncertain_factor(*self.last_k_n)
 
     @property
     def uncertain_range(self) -> bool:
         """True if the range of (K_T, K_S) is known to less than a twentieth, or not how well."""
-        if not math.isfinite(self.k_range):
-            return False
-        return not self.k_range_spread <= LARGEST_SPREAD * self.k_range
+        return uncertain_factor(self.k_range, self.k_range_spread)
+
+    def told_prediction(self, zone: SlipZone) -> float:
+        """Predicted length of a slip zone; NaN where K_N or the range in it is not told."""
+        k_n = reported(float(self.k_n[zone.end]), float(self.k_n_spread[zone.end]))
+        ranged = math.isfinite(self.reported_range) or not self.k_range > 0
+        return zone.prediction if math.isfinite(k_n) and ranged else math.nan
 
 
 def unknown_station(front: str, number: int, states: int, reason: str) -> Station:
@@ -619,6 +630,7 @@ class Contact:
             cycle, and of solids.
         steady: False without a cycle.
         dissipation_change: NaN if there is no cycle before.
+        lack: why there are no fronts though solids carry a force.
         warnings: what a reader must know, in words.
         patches: of the contact area of solids; none where it is a single one, and in the plane.
     """
@@ -666,6 +678,7 @@ class Contact:
     dissipation_change: Annotated[
         float, Quantity("", "relative change of that from the cycle before")
     ]
+    lack: Withheld = TOLD
     warnings: tuple[str, ...]
     patches: tuple[AreaPatch, ...] = ()
 

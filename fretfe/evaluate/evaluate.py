@@ -124,7 +124,7 @@ def _evaluate_contact(
         # One of those that fretfe has failed to follow is not among them.
         own = tracks.get(contact.name) if tracks is not None else None
         found = evaluate_solids(solution, contact, own, reference_length)
-        warnings = solid_warnings(solution, contact, found, changes, own is not None)
+        warnings = solid_warnings(solution, contact, found, changes)
     else:
         whole = whole_contact(contact)
         found = evaluate_plane(solution, whole.contact, find_units, reference_length)

@@ -225,7 +225,7 @@ def _edge(
     if nodes < FEWEST_NODES:
         remark = f"{nodes} nodes in contact, {FEWEST_NODES} are needed"
     elif not np.isfinite(fit.position[0]):
-        remark = why_no_root(x, p, patch, front)
+        remark = why_no_root(x, p, patch, front).text
     position = Estimate(float(fit.position[0]), float(fit.spread_position[0]), remark)
     k_n = Estimate(float(fit.k_n[0]), float(fit.spread_k_n[0]), remark)
     if slip is None:

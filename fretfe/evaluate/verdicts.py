@@ -83,13 +83,16 @@ def _no_k_n(station: Station) -> str:
     if math.isfinite(station.reported_k_n):
         return ""
     if math.isnan(k_n):
-        return "K_N is not known, since the pressure next to the front has no fit"
+        why = station.lack.text or "the pressure next to the front has no fit"
+        return f"K_N is not known, since {why}"
     return f"K_N is {k_n:.3g} ± {spread:.2g}, an error bar of more than half of it"
 
 
 def _no_range(station: Station) -> str:
     if math.isfinite(station.reported_range):
         return ""
+    if math.isnan(station.k_range) and station.lack.text:
+        return f"there is no range of K_T and K_S, since {station.lack.text}"
     if math.isnan(station.k_range):
         known = np.isfinite(station.k_t + station.k_s)[: station.last + 1 or None]
         unknown = np.flatnonzero(~known)

@@ -14,13 +14,13 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.paths import reversals
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
-from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.plane.lacks import evaluated_states
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
-from fretfe.evaluate.plane.pressure_fit import why_no_root
-from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, main_patch, plane_front
+from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, plane_front
 from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
+from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 from fretfe.surface.surface import edges_once, rim_nodes
@@ -38,6 +38,9 @@ BESIDE, FINE = 2.5, 1.5
 NEARLY_SLIDES = 0.1
 # Fronts of plane contacts.
 SIDES = tuple(front.name for front in PLANE_FRONTS)
+# Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
+# at R = 2.5 h, as coarse as anything round is meshed.
+CHORDS = 0.05
 
 
 def plane_warnings(
@@ -77,7 +80,6 @@ def solid_warnings(
     contact: ContactHistory,
     found: Mapping[str, Any],
     changes: Sequence[float],
-    looked_for: bool,
 ) -> Iterator[str]:
     """Warnings about a contact between solids, most serious first.
 
@@ -86,11 +88,10 @@ def solid_warnings(
         contact: one of its contacts.
         found: its histories and fronts, by the names of `Contact`.
         changes: of the shear over cycles, as of `cycle_changes`.
-        looked_for: whether there would be fronts if they could be found.
     """
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest)
+        yield _never_touch(smallest, contact.weights, 3)
         return
     nodes = int(np.count_nonzero(contact.status[len(contact.status) - 1] != OPEN))
     if 0 < nodes < FEWEST_NODES:
@@ -99,10 +100,10 @@ def solid_warnings(
             f"for pressures and areas: make the elements {np.sqrt(FEWEST_NODES / nodes):.1f} times "
             "smaller there"
         )
-    if looked_for and not found["fronts"]:
+    if found["lack"].kind is not Lack.NOTHING:
         yield (
-            "the boundary of the contact area cannot be found at the end of the cycle: K_N, K_T, "
-            "K_S and slip zones are unknown; they need ten elements over the width of the contact"
+            "no front of the contact is known at the end of the cycle: K_N, K_T, K_S and slip "
+            f"zones are unknown, because {found['lack'].text}"
         )
     assert contact.facets is not None and contact.free is not None
     at_border = closed & rim_nodes(contact.facets, len(closed)) & ~contact.free
@@ -211,37 +212,19 @@ def _unknown(
     solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
 ) -> Iterator[str]:
     """Factors that cannot be told, and why."""
-    states = cycle_states(solution.cycle)
-    states = states if len(states) else np.array([len(solution.times) - 1])
-    nodes = contact.nodes_pressed_in(states)
-    if not nodes.any():
+    states = evaluated_states(solution)
+    if not contact.nodes_pressed_in(states).any():
         yield from _parted(contact, states)
         return
-    finer = WANTED_NODES / max(int(nodes.min()), 1)
-    existing = contact.exists[states]
-    shared = (
-        f"the patch exists in {np.count_nonzero(existing)} of the {len(states)} states of the cycle"
-        if not existing.all()
-        else f"{nodes.min()} nodes are in contact, {WANTED_NODES} are wanted at least: make the "
-        f"elements {math.ceil(2 * finer) / 2:g} times smaller"
-        if finer > 1
-        else ""
-    )
     for station in stations:
-        if station.unknown:
+        if station.unknown or station.lack.kind is Lack.NOTHING:
             continue
         unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
         missing = ["K_N"] if unknown else []
-        # A range without a bar is not told either, if the edge is not known in some state.
-        located = bool(np.isfinite(station.position[states]).all())
-        known = math.isfinite(station.k_t_range) and (
-            located or math.isfinite(station.k_range_spread)
-        )
-        if len(cycle_states(solution.cycle)) and not known:
+        if solution.cycle is not None and not math.isfinite(station.k_t_range):
             missing.append("ΔK_T")
-        if missing:
-            reason = shared or _no_root(contact, station, states)
-            yield f"{' and '.join(missing)} at the {station.front} edge: unknown, because {reason}"
+        names = " and ".join(missing)
+        yield f"{names} at the {station.front} edge: unknown, because {station.lack.text}"
 
 
 def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
@@ -251,20 +234,10 @@ def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
     gap = min(float(contact.gap[state].min()) for state in states)
     which = "in the evaluated cycle" if len(states) > 1 else "at the end"
     yield (
-        f"the bodies do not touch {which}: the contact carries no force there, and has no edges; "
-        f"the smallest gap is {gap:.3g}. Check the signs and sizes of the loads that should press "
-        "them together"
+        f"the bodies do not touch {which}, though they did before: the contact carries no force "
+        f"there, and has no edges; the smallest gap is {gap:.3g}. Either the loads lift them off, "
+        "and another cycle is to be evaluated, or what should press them together ends too early"
     )
-
-
-def _no_root(contact: ContactHistory, station: Station, states: Indices) -> str:
-    """Reason why K_N, or else something behind it, is not known in one of the states."""
-    unknown = states[~np.isfinite(station.k_n[states])]
-    if not len(unknown):
-        return "the tractions of full stick cannot be told next to the edge: refine the mesh there"
-    pressure = contact.traction[unknown[-1], :, 0]
-    patch = main_patch(contact.arc, pressure)
-    return why_no_root(contact.arc, pressure, patch, plane_front(station.front))
 
 
 def _uncounted(solution: Solution, stations: tuple[Station, ...]) -> Iterator[str]:
@@ -316,16 +289,37 @@ def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:
     return closed, smallest
 
 
-def _never_touch(smallest: float) -> str:
-    """Warning about surfaces that are never in contact, by their smallest gap."""
-    return f"the surfaces never touch; the smallest gap is {smallest:.4g}"
+def _never_touch(smallest: float, weights: Array, dimension: int) -> str:
+    """Warning about surfaces that are never in contact, by their smallest gap.
+
+    Args:
+        smallest: gap.
+        weights: (N,) lengths or areas of the nodes.
+        dimension: of the bodies.
+    """
+    hint = untouched_hint(smallest, weights, dimension)
+    return f"the surfaces never touch; the smallest gap is {smallest:.4g}. {hint}"
+
+
+def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
+    """Remedy for surfaces that never touch; arguments are those of `_never_touch`."""
+    spacing = float(np.median(weights)) ** (1 / (dimension - 1))
+    if 0 < smallest < CHORDS * spacing:
+        return (
+            f"That is {smallest / spacing:.1%} of an element: chords of curved surfaces leave such "
+            "gaps. Use curved elements (order 2), smaller ones there, or more load"
+        )
+    return (
+        "Check the signs and sizes of the loads that should bring the bodies together, and their "
+        "place in the mesh"
+    )
 
 
 def _surfaces(contact: ContactHistory) -> Iterator[str]:
     """Surfaces that never touch, or end where they are in contact."""
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest)
+        yield _never_touch(smallest, contact.weights, 2)
     for front in PLANE_FRONTS:
         if not front.from_front(closed)[0]:
             continue

@@ -100,8 +100,9 @@ def imbalance(solution: Solution) -> ConvergenceError | None:
                 f"found a sum of {ratio[worst]:.1e} of the largest of them: round-off has "
                 "destroyed the solution. Check the stiffnesses of the bodies, which may differ by "
                 "a factor of about 1e8 at most, and the units; all steps are kept, but none can be "
-                "trusted. In a sector the loads must not turn it about its axis either, unless a "
-                "support holds it."
+                "trusted. A body that nothing holds but a contact, which opens in this step, may "
+                "have moved away. In a sector the loads must not turn it about its axis either, "
+                "unless a support holds it."
             )
     return None
 

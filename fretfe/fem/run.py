@@ -21,6 +21,7 @@ from fretfe.case import Case, FieldLoad, Wave, case_notes
 from fretfe.contact.interface import Place
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
+from fretfe.contact.state import StepLoads
 from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.cycles import cycle_changes, may_become_steady
@@ -33,6 +34,7 @@ from fretfe.evaluate.limits import (
 )
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
+from fretfe.evaluate.warnings import untouched_hint
 from fretfe.faults import Fault, guarded
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI
@@ -48,7 +50,7 @@ from fretfe.fem.limits import (
 from fretfe.fem.model import LoadMesh, Marched, Model, Prepared, build_model, step_loads
 from fretfe.fem.parallel import Lead, SharedStop, on_root, release
 from fretfe.fem.probes import state_requests
-from fretfe.fem.stress_output import refuse_solids, write_stress
+from fretfe.fem.stress_output import write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.idealise.bodies import coupled_beta
@@ -108,7 +110,6 @@ def solve_prepared(
     """
     model = prepared.model
     comm = model.comm
-    refuse_solids(case, model.dimension)
     with SharedStop(comm, options.observer) as stop:
         lead = Lead(comm, Recovery(model), stop.send)
         heeding = replace(options, observer=stop)
@@ -402,10 +403,9 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     except ConvergenceError as error:
         failure = error
         if not (recorder.contact_carries or isinstance(error, StoppedError)):
-            hint = "Until then no surfaces pressed on each other: check the signs of the loads."
-            failure = ConvergenceError(f"{error} {hint}")
+            failure = ConvergenceError(f"{error} {_never_pressed(steps[recorder.steps_done + 1])}")
     else:
-        _require_contact(recorder)
+        _require_contact(recorder, prepared.model.dimension)
     return _Marched(recorder, cycles.solved(recorder.steps_done), failure)
 
 
@@ -469,16 +469,30 @@ def _place(prepared: Prepared, pair: Pair) -> Place:
     return Place(*names, coupling, coupling.facets, coupling.free, continued, dundurs=beta)
 
 
-def _require_contact(recorder: Recorder) -> None:
+def _require_contact(recorder: Recorder, dimension: int) -> None:
     """A history in which contact never carries anything is a mistake in the case."""
     if recorder.contact_carries:
         return
     adrift = recorder.bodies_restrained_by_contact
+    weights = np.concatenate([each.coupling.weights for each in recorder.places])
     reason = (
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"
         if adrift and recorder.smallest_gap <= recorder.gap_round_off
-        else f"the smallest gap on the way was {recorder.smallest_gap:.6g}. Check the signs and "
-        "sizes of the loads that should bring the bodies together, and their place in the mesh"
+        else f"the smallest gap on the way was {recorder.smallest_gap:.6g}. "
+        + untouched_hint(recorder.smallest_gap, weights, dimension)
     )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")
+
+
+def _never_pressed(failed: StepLoads) -> str:
+    """Hint for a history that ended in a step before any surfaces pressed on each other."""
+    if not failed.friction.any():
+        return (
+            "No friction acts in this step: what would slide has to wait until 'friction_from' is "
+            "over, or a support has to hold it."
+        )
+    return (
+        "Until then no surfaces pressed on each other: press them together in the first step, "
+        "before or with other loads, and check the signs of the loads."
+    )

@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import IS_CRYSTAL, Case, isotropic
+from fretfe.case import IS_CRYSTAL, isotropic
 from fretfe.contact.recorder import Recorder
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.stress import judged_states, tension
@@ -322,16 +322,3 @@ def _below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array
     beside = np.linalg.norm(places - nearest, axis=1) > BESIDE * surface.sizes.max()
     places[beside] = np.nan
     return places - depths[:, None, None] * normals, normals
-
-
-def refuse_solids(case: Case, dimension: int) -> None:
-    """Check that the stress near contacts is asked of plane bodies only.
-
-    Raises:
-        CaseError: if it is asked of solids.
-    """
-    if case.output.stress_depths and dimension == 3:
-        raise CaseError(
-            f"{case.source}: output.stress_depths: expected plane bodies, found solids: the stress "
-            "near the contacts is computed in the plane only"
-        )

@@ -262,8 +262,8 @@ def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
         given = "relative to f p_max: the cycle is steady"
         yield at.compared(quantity, change, 0.0, STEADY, given)
     if contact.solid and not contact.fronts and contact.normal_force[-1] > 0:
-        told = (text for text in contact.warnings if "cannot be told" in text)
-        yield at.missing("fronts", next(told, "too few elements in contact"), "unknown")
+        reason = contact.lack.text or "nobody looked for them"
+        yield at.missing("fronts", reason, "unknown")
     if contact.name != contact.pair:
         # A patch that comes or goes within the cycle: what it does there is not known.
         cycle = cycle_states(result.loads.cycle)
@@ -294,15 +294,14 @@ def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[R
 
 
 def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row]:
-    """Numbers that this run should carry and does not; warnings of the contact say why."""
+    """Numbers that this run should carry and does not, and why."""
     for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_range)):
         if (
             math.isnan(value)
             and contact.normal_force[station.last] > 0
             and not math.isnan(contact.cycle_change)
         ):
-            told = (each for each in contact.warnings if quantity in each and "unknown" in each)
-            reason = next(told, "it is not known in every state of the cycle")
+            reason = station.lack.text or "it is not known in every state of the cycle"
             yield at.missing(quantity, reason, "unknown")
 
 

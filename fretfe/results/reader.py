@@ -8,6 +8,7 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
+from enum import Enum
 from functools import cache
 from pathlib import Path
 from typing import Any, TypeVar, get_args, get_origin, get_type_hints
@@ -272,6 +273,8 @@ def _as(kind: Any, value: Any) -> Any:
         return math.nan if value is None else float(value)
     if kind in (bool, int, str) and not isinstance(value, kind):
         raise TypeError(f"{value!r} in place of {kind.__name__}")
+    if isinstance(kind, type) and issubclass(kind, Enum):
+        return kind(value)
     if is_dataclass(kind):
         return restored(kind, value)  # type: ignore[arg-type]
     if get_origin(kind) is tuple:

@@ -22,7 +22,14 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Units
 from fretfe.errors import DependencyError
-from fretfe.evaluate.contacts import Contact, Station, StationHistory, histories, quantities
+from fretfe.evaluate.contacts import (
+    Contact,
+    SlipZone,
+    Station,
+    StationHistory,
+    histories,
+    quantities,
+)
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.files import replacing
 from fretfe.history.solution import ContactHistory, Solution
@@ -142,20 +149,38 @@ def _vector(prefix: str, kind: str, meaning: str, attribute: str) -> list[Column
 
 def _zone(name: str, meaning: str, attribute: str, place: int) -> Column:
     """A length of one of the last slip zones; NaN without it."""
+    return _of_zone(name, meaning, place, lambda _, zone: float(getattr(zone, attribute)))
 
+
+def _prediction(name: str, meaning: str, place: int) -> Column:
+    """Length that the factors predict for one of the last zones; NaN where they are not told."""
+    return _of_zone(name, meaning, place, Station.told_prediction)
+
+
+def _of_zone(
+    name: str, meaning: str, place: int, read: Callable[[Station, SlipZone], float]
+) -> Column:
     def value(_: Contact, station: Station) -> float:
         zones = station.slip_zones
-        return float(getattr(zones[place], attribute)) if len(zones) >= -place else math.nan
+        return read(station, zones[place]) if len(zones) >= -place else math.nan
 
     return Column(name, "length", meaning, value)
 
 
 def _longest(name: str, meaning: str, attribute: str) -> Column:
     """A length of the longer of the last two slip zones; NaN without any."""
+    return _of_longest(name, meaning, lambda _, zone: float(getattr(zone, attribute)))
 
+
+def _longest_prediction(name: str, meaning: str) -> Column:
+    """Length that the factors predict for that zone; NaN where they are not told."""
+    return _of_longest(name, meaning, Station.told_prediction)
+
+
+def _of_longest(name: str, meaning: str, read: Callable[[Station, SlipZone], float]) -> Column:
     def value(_: Contact, station: Station) -> float:
         zone = station.longest_zone
-        return float(getattr(zone, attribute)) if zone else math.nan
+        return read(station, zone) if zone else math.nan
 
     return Column(name, "length", meaning, value)
 
@@ -166,7 +191,7 @@ def _half_cycle(number: int, meaning: str) -> list[Column]:
     return [
         _zone(f"slip_{number}", meaning, "reported_length", place),
         _zone(f"slip_{number}_spread", "its error bar", "spread", place),
-        _zone(f"predicted_{number}", "what the factors predict for it", "prediction", place),
+        _prediction(f"predicted_{number}", "what the factors predict for it", place),
         _zone(f"local_{number}", "the same by the plane problem", "reported_local", place),
         _zone(f"local_{number}_spread", "its error bar", "local_spread", place),
     ]
@@ -220,8 +245,8 @@ EDGES = (
     _zone("slip_2_spread", "error bar of slip_2", "spread", -1),
     _edge_of("slip_1_from", -2),
     _edge_of("slip_2_from", -1),
-    _zone("predicted_1", "what the edge factors predict for slip_1", "prediction", -2),
-    _zone("predicted_2", "what the edge factors predict for slip_2", "prediction", -1),
+    _prediction("predicted_1", "what the edge factors predict for slip_1; empty without them", -2),
+    _prediction("predicted_2", "what the edge factors predict for slip_2; empty without them", -1),
     Column(
         "gross",
         "",
@@ -255,7 +280,7 @@ STATIONS = (
     *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
     _longest("slip", "the longer of the slip zones of the last two half cycles", "reported_length"),
     _longest("slip_spread", "its error bar", "spread"),
-    _longest("predicted", "what the factors predict for it", "prediction"),
+    _longest_prediction("predicted", "what the factors predict for it; empty without them"),
     _longest("local", "the same zone by the plane problem next to the station", "reported_local"),
     _longest("local_spread", "its error bar", "local_spread"),
     *_half_cycle(1, "slip zone of the last but one half cycle"),

@@ -23,10 +23,10 @@ from rich.table import Table
 from fretfe._typing import Array
 from fretfe.case import Units
 from fretfe.errors import OutputError
-from fretfe.evaluate.contacts import known_length
+from fretfe.evaluate.contacts import known_length, uncertain_factor
 from fretfe.faults import Fault, guarded
 from fretfe.files import disk_reason, open_own, replacing, sync
-from fretfe.report.texts import MISSING, number
+from fretfe.report.texts import MISSING, marked, number
 from fretfe.report.theme import (
     COLOURS,
     CYCLE,
@@ -133,12 +133,15 @@ def _edge_cells(record: Mapping[str, Any]) -> list[str]:
     slip = "gross" if record["gross"] else _pair(record, "slip")
     zones = [(record[f"slip_{number}"], record[f"slip_{number}_spread"]) for number in (1, 2)]
     known = all(known_length(*zone) for zone in zones if math.isfinite(zone[0]))
+    uncertain = [
+        uncertain_factor(record[name], record[f"{name}_spread"]) for name in ("k_n", "k_t_range")
+    ]
     return [
         record["edge"],
-        number(record["k_n"]),
-        number(record["k_t_range"]),
-        slip if record["resolved"] and known else f"~{slip}",
-        _pair(record, "predicted"),
+        marked(number(record["k_n"]), uncertain[0]),
+        marked(number(record["k_t_range"]), uncertain[1]),
+        marked(slip, not (record["resolved"] and known)),
+        marked(_pair(record, "predicted"), any(uncertain)),
     ]
 
 

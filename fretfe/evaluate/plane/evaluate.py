@@ -54,6 +54,7 @@ from fretfe.evaluate.factors import (
 from fretfe.evaluate.growth import Growth, zone_growth
 from fretfe.evaluate.numerics import count_up, last_known
 from fretfe.evaluate.plane.edge_fits import edge_fits
+from fretfe.evaluate.plane.lacks import with_lack
 from fretfe.evaluate.plane.pressure_fit import EdgeFit
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.evaluate.plane.slip import slip_border_of
@@ -122,6 +123,7 @@ def evaluate_plane(
             ]
     else:
         stations = edges.stations()
+    stations = [with_lack(solution, contact, each) for each in stations]
     fronts = [Front(each.front, (each,)) for each in stations]
     k_t = whole[..., Factor.K_T]
 

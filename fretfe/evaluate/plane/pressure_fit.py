@@ -19,7 +19,6 @@ edges anywhere between two nodes.
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -27,6 +26,7 @@ import numpy as np
 from fretfe._typing import Array, Positions
 from fretfe.evaluate.numerics import FARTHEST, HIGHEST, average, edge_terms, weighted_triangles
 from fretfe.evaluate.plane.section import Patch, PlaneFront, Section
+from fretfe.evaluate.withheld import Lack, Withheld
 
 ALTERNATING, DECAY, TAIL = 0.8, 0.95, 0.02
 # Of the median of the absolute values of normal deviates.
@@ -307,8 +307,8 @@ def _lengths(longest: int) -> Positions:
     return np.array(lengths)
 
 
-def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> str:
-    """Reason why the pressure next to an edge has no fit, in words.
+def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> Withheld:
+    """Reason why the pressure next to an edge has no fit.
 
     Args:
         x: (n,) nodes, increasing.
@@ -318,20 +318,10 @@ def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> s
     """
     outermost = front.outermost(patch)
     if front.from_front(np.arange(len(x)))[0] == outermost:
-        return "the surface, or the rows, end inside the contact there"
+        return Withheld(Lack.SURFACE_ENDS)
     nodes = nodes_over_rise(pressure, patch, front)
-    if nodes < WANTED_OVER_RISE:
-        finer = math.ceil(2 * WANTED_OVER_RISE / nodes) / 2
-        return (
-            f"the pressure rises to its largest value within {nodes} "
-            f"node{'' if nodes == 1 else 's'} of the edge, {WANTED_OVER_RISE} are wanted at least: "
-            f"make the elements there {finer:g} times smaller; if that does not help, the edge is "
-            "a sharp corner, where K_N does not exist"
-        )
-    return (
-        f"the pressure does not fall to zero like a root there, over the {nodes} nodes from its "
-        "largest value to the edge"
-    )
+    kind = Lack.STEEP if nodes < WANTED_OVER_RISE else Lack.NO_ROOT
+    return Withheld(kind, nodes, WANTED_OVER_RISE)
 
 
 def nodes_over_rise(pressure: Array, patch: Patch, front: PlaneFront) -> int:

@@ -46,7 +46,7 @@ from fretfe.evaluate.growth import Growth, zone_growth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
-from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
+from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront, why_no_fronts
 from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.patches import follow_patches
 from fretfe.evaluate.space.pressure_fit import load_growth
@@ -54,6 +54,7 @@ from fretfe.evaluate.space.range_spread import range_spread
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
+from fretfe.evaluate.withheld import TOLD
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 
@@ -160,9 +161,11 @@ def evaluate_solids(
             replace(front, patch=int(owner[track.front.node]) + 1)
             for front, track in zip(fronts, tracks or (), strict=True)
         )
+    missing = tracks is not None and not fronts
     return {
         **found,
         "fronts": fronts,
+        "lack": why_no_fronts(contact, last) if missing else TOLD,
         "patches": patches,
         "dissipation": float(found["work"][first + 1 : last + 1].sum()),
     }

@@ -28,6 +28,7 @@ from fretfe.evaluate.space.sectors import (
     Sectors,
     outlines,
 )
+from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory, Solution
 
 # Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
@@ -198,6 +199,21 @@ class FrontFinder:
         ended = begun & ~inside
         last = np.where(ended.any(axis=1), ended.argmax(axis=1), STEPS - 1)
         return np.asarray(s[last] / 2)
+
+
+def why_no_fronts(contact: ContactHistory, state: int) -> Withheld:
+    """Reason why a contact has no fronts in a state."""
+    assert contact.facets is not None
+    pressed = np.asarray(contact.traction[state][:, 0] > 0)
+    if not pressed.any():
+        return Withheld(Lack.PARTED, 0, 1)
+    lines = outlines(contact.facets, pressed)
+    if not lines:
+        return Withheld(Lack.NO_BORDER)
+    if any(len(line.inside) >= FEWEST_CROSSED[line.closed] for line in lines):
+        return Withheld(Lack.NO_CURVE)
+    longest = max(lines, key=lambda line: len(line.inside))
+    return Withheld(Lack.SHORT_BORDER, len(longest.inside), FEWEST_CROSSED[longest.closed])
 
 
 def _mirror(point: Array, normal: Array) -> Mirror | None:

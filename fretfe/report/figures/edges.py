@@ -480,7 +480,7 @@ def _lengths(station: Station) -> tuple[float, ...]:
     if zone is None or station.end:
         return (math.nan,) * 5
     nodes = (zone.reported_length, zone.spread) if zone.resolved else (math.nan, math.nan)
-    return (zone.reported_local, zone.local_spread, zone.prediction, *nodes)
+    return (zone.reported_local, zone.local_spread, station.told_prediction(zone), *nodes)
 
 
 def station_plot(shown: Shown) -> Plot | None:

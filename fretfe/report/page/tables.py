@@ -86,12 +86,14 @@ def _edge_cells(edge: Station) -> list[str]:
         else marked(number(zone.reported_length, 3), zone.uncertain) + _counted_from(edge, zone)
         for zone in zones
     ]
+    predicted = [edge.told_prediction(zone) for zone in zones]
+    known = " / ".join(number(each, 3) for each in predicted if math.isfinite(each)) or MISSING
     return [
         number(edge.position[edge.last]),
         marked(number(edge.reported_k_n), edge.uncertain),
         marked(number(edge.reported_range), edge.uncertain_range),
         " / ".join(measured) or MISSING,
-        " / ".join(number(zone.prediction, 3) for zone in zones) or MISSING,
+        marked(known, edge.uncertain or edge.uncertain_range),
     ]
 
 
@@ -101,6 +103,12 @@ def _counted_from(edge: Station, zone: SlipZone) -> str:
     if not abs(then - here) > SAME_PLACE * zone.reported_length:
         return ""
     return f" from {number(then)}"
+
+
+def _predicted(station: Station, zone: SlipZone) -> str:
+    """A predicted length, marked as the factors that it is made of are."""
+    uncertain = station.uncertain or station.uncertain_range
+    return marked(number(station.told_prediction(zone), 3), uncertain)
 
 
 def contact_table(run: Result) -> Table:
@@ -302,11 +310,15 @@ def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
         for half in range(-ZONES, 0)
     ]
     lines = [zones for zones in halves if zones]
+    predicted = [
+        [e.told_prediction(e.slip_zones[half]) for e in stations if len(e.slip_zones) >= -half]
+        for half in range(-ZONES, 0)
+    ]
     return (
         _known_range([each.reported_k_n for each in stations], digits=4),
         _known_range([each.reported_range for each in stations], digits=3),
         _lines(_known_range([zone.told[0] for zone in zones], digits=2) for zones in lines),
-        _lines(_known_range([zone.prediction for zone in zones], digits=2) for zones in lines),
+        _lines(_known_range(each, digits=2) for each in predicted if each),
     )
 
 
@@ -322,7 +334,7 @@ def _at(station: Station) -> tuple[str, ...]:
         with_error(station.reported_k_n, station.last_k_n[1]),
         with_error(station.reported_range, station.k_range_spread),
         _lines("gross" if zone.gross else with_error(*zone.told) for zone in zones),
-        _lines(number(zone.prediction, 3) for zone in zones),
+        _lines(number(station.told_prediction(zone), 3) for zone in zones),
     )
 
 
@@ -392,11 +404,12 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
 def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     verdict, times = judge(edge, zone), run.loads.times
     length = with_error(zone.reported_length, zone.spread)
-    ratio = zone.prediction / zone.length if zone.length > 0 else float("nan")
+    predicted = edge.told_prediction(zone)
+    ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
         found="gross" if zone.gross else marked(length, zone.uncertain) + _counted_from(edge, zone),
-        predicted=number(zone.prediction, 3),
+        predicted=_predicted(edge, zone),
         ratio=number(ratio, 3),
         verdict=verdict.word,
         reason=verdict.reason,

@@ -1,0 +1,63 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Reasons why factors of plane edges are not known: one for each station, which all tables tell."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from fretfe._typing import Indices
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.plane.pressure_fit import why_no_root
+from fretfe.evaluate.plane.section import main_patch, plane_front
+from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.withheld import Lack, Withheld
+from fretfe.history.solution import ContactHistory, Solution
+
+
+def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> Station:
+    """The station with the reason why a factor of it is not known, and without a range then.
+
+    A range without a bar is not told either, if the edge is not known in some state.
+
+    Args:
+        solution: the solved history.
+        contact: whose station it is.
+        station: with its numbers.
+    """
+    states = evaluated_states(solution)
+    located = bool(np.isfinite(station.position[states]).all())
+    ranged = math.isfinite(station.k_t_range) and (located or math.isfinite(station.k_range_spread))
+    if not ranged:
+        station = replace(station, k_t_range=math.nan, k_s_range=math.nan, k_range=math.nan)
+    unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
+    if not unknown and (ranged or solution.cycle is None):
+        return station
+    return replace(station, lack=_reason(contact, station, states))
+
+
+def evaluated_states(solution: Solution) -> Indices:
+    """States of the evaluated cycle, or the last one."""
+    states = cycle_states(solution.cycle)
+    return states if len(states) else np.array([len(solution.times) - 1])
+
+
+def _reason(contact: ContactHistory, station: Station, states: Indices) -> Withheld:
+    """Of several reasons the one behind the others."""
+    nodes, existing = contact.nodes_pressed_in(states), contact.exists[states]
+    if not existing.all():
+        return Withheld(Lack.ABSENT, int(np.count_nonzero(existing)), len(states))
+    touching = int(np.count_nonzero(nodes))
+    if touching < len(states):
+        return Withheld(Lack.PARTED, touching, len(states))
+    if nodes.min() < WANTED_NODES:
+        return Withheld(Lack.FEW_NODES, int(nodes.min()), WANTED_NODES)
+    unknown = states[~np.isfinite(station.k_n[states])]
+    if not len(unknown):
+        return Withheld(Lack.NO_TRACTIONS)
+    pressure = contact.traction[unknown[-1], :, 0]
+    patch = main_patch(contact.arc, pressure)
+    return why_no_root(contact.arc, pressure, patch, plane_front(station.front))

@@ -1,0 +1,105 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers of edges and fronts that are not told: kinds of reasons, and one sentence for each."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from enum import StrEnum
+
+
+class Lack(StrEnum):
+    """Kind of reason why the factors of an edge, or the fronts of a contact, are not known."""
+
+    NOTHING = "nothing"
+    ABSENT = "patch absent"
+    PARTED = "bodies part"
+    FEW_NODES = "few nodes"
+    SURFACE_ENDS = "surface ends"
+    STEEP = "steep rise"
+    NO_ROOT = "no root"
+    NO_TRACTIONS = "no tractions"
+    NO_BORDER = "no border"
+    SHORT_BORDER = "short border"
+    NO_CURVE = "no curve"
+
+
+@dataclass(frozen=True)
+class Withheld:
+    """Reason why something is not told.
+
+    Attributes:
+        kind: of reason; `Lack.NOTHING` where everything is told.
+        found: nodes, states or elements that there are, by the kind.
+        wanted: number of them that would do, or of all states.
+    """
+
+    kind: Lack = Lack.NOTHING
+    found: int = 0
+    wanted: int = 0
+
+    @property
+    def text(self) -> str:
+        """The reason as a part of a sentence after "because"; empty without one."""
+        found, wanted = self.found, self.wanted
+        match self.kind:
+            case Lack.NOTHING:
+                return ""
+            case Lack.ABSENT:
+                return f"the patch exists in {found} of the {wanted} states of the cycle"
+            case Lack.PARTED:
+                if not found:
+                    return "the bodies do not touch"
+                return (
+                    f"the bodies touch in {found} of the {wanted} states of the cycle: without "
+                    "contact there is no edge, and K_T begins anew when they touch again"
+                )
+            case Lack.FEW_NODES:
+                return (
+                    f"{found} nodes are in contact, {wanted} are wanted at least: make the "
+                    f"elements {_halves(wanted / max(found, 1)):g} times smaller"
+                )
+            case Lack.SURFACE_ENDS:
+                return "the surface, or the rows, end inside the contact there"
+            case Lack.STEEP:
+                return (
+                    f"the pressure rises to its largest value within {found} "
+                    f"node{'' if found == 1 else 's'} of the edge, {wanted} are wanted at least: "
+                    f"make the elements there {_halves(wanted / found):g} times smaller; if that "
+                    "does not help, the edge is a sharp corner, where K_N does not exist"
+                )
+            case Lack.NO_ROOT:
+                return (
+                    f"the pressure does not fall to zero like a root there, over the {found} nodes "
+                    "from its largest value to the edge"
+                )
+            case Lack.NO_TRACTIONS:
+                return (
+                    "the tractions of full stick cannot be told next to the edge: refine the mesh "
+                    "there"
+                )
+        return _of_fronts(self)
+
+
+TOLD = Withheld()
+
+
+def _of_fronts(lack: Withheld) -> str:
+    """Reason why a contact between solids that carries a force has no fronts."""
+    match lack.kind:
+        case Lack.NO_BORDER:
+            return "all of its surface is in contact, whose border is no contact edge"
+        case Lack.SHORT_BORDER:
+            return (
+                f"its boundary crosses {lack.found} elements, {lack.wanted} are wanted at least: "
+                "they need ten elements over the width of the contact"
+            )
+    return (
+        "the pressure next to its boundary tells the place of the front at too few stations: they "
+        "need ten elements over the width of the contact"
+    )
+
+
+def _halves(ratio: float) -> float:
+    """The next half of a whole number above."""
+    return math.ceil(2 * ratio) / 2
