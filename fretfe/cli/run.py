@@ -97,7 +97,7 @@ def run(
         result = runner.run(read, output, shown, resume=resume, mesh=mesh)
     timed = timings or verbosity is Verbosity.VERBOSE
     ended = runner.write(lambda: _finish_run(result, output, start, verbosity, timed, report))
-    failure = result.failure or (ended and ended.failure)
+    failure = result.failure or (ended.failure if ended is not None else None)
     if failure is not None:
         raise failure
     require_none((*result.faults, *(ended.faults if ended else ())), output)
@@ -177,7 +177,8 @@ def _print_numbers(console: Console, result: Result) -> None:
 
         return guarded(name, make, failed)
 
-    for text in (result.solid and shown("worst stations", lambda: front_texts(result))) or ():
+    texts = shown("worst stations", lambda: front_texts(result)) if result.solid else ()
+    for text in texts or ():
         console.print(text, highlight=False, markup=False)
     tables = [
         shown("table of contacts", lambda: contact_table(result)),
