@@ -98,7 +98,8 @@ def run(folder: Path, *words: str) -> Result:
 @pytest.fixture(scope="module", autouse=True)
 def _solved_once() -> Iterator[None]:
     """Steps that are solved are not to be solved again."""
-    solve, outcomes = halfplane.solve_half_planes, []
+    solve = halfplane.solve_half_planes
+    outcomes: list[HalfPlaneOutcome] = []
 
     def solved(problem: HalfPlaneProblem, **options: Any) -> HalfPlaneOutcome:
         if not outcomes:

@@ -96,7 +96,7 @@ def run(
         result = runner.run(read, output, shown, resume=resume, mesh=mesh)
     timed = timings or verbosity is Verbosity.VERBOSE
     ended = runner.write(lambda: _finish_run(result, output, start, verbosity, timed, report))
-    failure = result.failure or (ended and ended.failure)
+    failure = result.failure or (ended.failure if ended is not None else None)
     if failure is not None:
         raise failure
     require_none((*result.faults, *(ended.faults if ended else ())), output)

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from functools import partial
 from importlib.resources import files
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import tomli_w
 from jinja2 import Environment, StrictUndefined
@@ -48,7 +48,6 @@ from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import REPORT
 
-T = TypeVar("T")
 # Draws a figure, or some.
 Draw = Callable[[], "Plot | list[Plot] | None"]
 TEMPLATE, STYLE = "report.html.j2", "report.css"
@@ -162,7 +161,10 @@ def _sections(run: Result) -> tuple[Section, ...]:
         return (Section("tractions", "Along the contacts", none, ()), *histories)
     stations = [(each, edge) for each in shown for edge in each.summary.stations]
     asymptotes = [partial(edges.edge_plot, *each) for each in stations]
-    loops = [*_each(history.slip_loop_plot, shown), partial(history.work_loop_plots, run)]
+    loops: list[Draw] = [
+        *_each(history.slip_loop_plot, shown),
+        partial(history.work_loop_plots, run),
+    ]
     counted = [partial(edges.cycle_plot, *each) for each in stations]
     irregular = any(edge.cycles.irregular for each in run.contacts for edge in each.stations)
     slip_intro = tractions.SLIP_INTRO + (tractions.ENVELOPE_INTRO if irregular else "")
@@ -199,7 +201,10 @@ def _sections(run: Result) -> tuple[Section, ...]:
 
 def _solid_sections(run: Result) -> tuple[Section, ...]:
     shown, keyed = shown_contacts(run), _keyed(run)
-    loops = [*_each(history.slip_loop_plot, shown), partial(history.work_loop_plots, run)]
+    loops: list[Draw] = [
+        *_each(history.slip_loop_plot, shown),
+        partial(history.work_loop_plots, run),
+    ]
     fronts = [
         partial(edges.front_plot, run, contact, front, f"{key}-{row}")
         for key, contact in keyed
@@ -328,7 +333,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
     )
 
 
-def _table(name: str, make: Callable[[], T]) -> T | Table:
+def _table(name: str, make: Callable[[], Table | None]) -> Table | None:
     """A table, or an empty one whose title says why fretfe has not made it."""
     return guarded(name, make, lambda fault: plain_table(fault.text, ("",), text=1))
 
