@@ -23,6 +23,10 @@ from fretfe.environment import memory_shortage
 from fretfe.errors import DependencyError, MeshError
 from fretfe.mesh.templates import Template, check_parameters, parameter_error
 
+# What Gmsh's library takes from Python, and what PETSc would.
+TAKEN_SIGNALS = frozenset(
+    {signal.SIGHUP, signal.SIGINT, signal.SIGPIPE, signal.SIGQUIT, signal.SIGTERM}
+)
 # Debian and Ubuntu package of each library that libgmsh.so of the wheel needs and a small image may
 # lack.
 PACKAGES = {
@@ -136,11 +140,11 @@ class RawMesh:
 
 @contextlib.contextmanager
 def _kept_signals() -> Iterator[None]:
-    """Leave signals to those who handle them: Gmsh's library takes SIGTERM from them."""
+    """Leave signals to those who handle or ignore them: Gmsh's library takes them away."""
     if threading.current_thread() is not threading.main_thread():  # no other may set a handler
         yield
         return
-    before = {each: signal.getsignal(each) for each in (signal.SIGINT, signal.SIGTERM)}
+    before = {each: signal.getsignal(each) for each in TAKEN_SIGNALS}
     yield
     for number, handler in before.items():
         if handler is not None:  # set from Python

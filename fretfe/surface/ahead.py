@@ -9,6 +9,7 @@ from collections.abc import Callable
 
 from fretfe.case import Case
 from fretfe.errors import FretfeError
+from fretfe.mesh.gmsh import TAKEN_SIGNALS
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import load_mesh
 
@@ -73,7 +74,7 @@ class _Begun(threading.Thread):
         self.join()
         # Gmsh's library takes signals from Python, and gives none back in a thread.
         if threading.current_thread() is threading.main_thread():
-            for each in (signal.SIGINT, signal.SIGTERM):
+            for each in TAKEN_SIGNALS:
                 handler = signal.getsignal(each)
                 if handler is not None:  # set from Python
                     signal.signal(each, handler)
