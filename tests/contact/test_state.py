@@ -38,7 +38,9 @@ def test_pressure_on_the_way_of_slip_that_goes_on_begins_and_turns() -> None:
 
 
 def test_a_constant_pressure_gives_the_shear_times_the_slip() -> None:
-    before, after = (state([SLIP, SLIP], [3.0, 1.0], moved, 1.0) for moved in ([0, 0], [0.2, 0.1]))
+    before, after = (
+        state([SLIP, SLIP], [3.0, 1.0], moved, 1.0) for moved in ([0.0, 0.0], [0.2, 0.1])
+    )
     expected = -after.traction[:, 1] * after.relative[:, 1]
     assert work(before, after) == pytest.approx(expected, rel=1e-12)
 

@@ -72,8 +72,8 @@ def draw(seed: int) -> Drawn:
     slowest, end = max(waves)
     if random.random() < 0.5:
         # From any step on to any that is a period later.
-        times = build_history(parse_case({**data, "loads": _quiet(loads)})).times
-        starts = [t for t in times for end in [t + period] if np.abs(times - end).min() < 1e-9]
+        clock = build_history(parse_case({**data, "loads": _quiet(loads)})).times
+        starts = [each for each in clock if np.abs(clock - each - period).min() < 1e-9]
         start = float(random.choice(starts))
         cycle = (start, start + period)
         data["cycle"] = {"start": cycle[0], "end": cycle[1]}
