@@ -173,7 +173,7 @@ def uneven_share(
     mean of both ends exceeds their harmonic mean by du^2/(2 (u1 + u2)); for loads on a line and any
     movement of the edge of a cylinder or a wedge the truth is below by no more than twice that
     (P up to 40 times as large at one end of the step: 1.5 and 1.9 times). Flats with rounded ends
-    need twice as much (P three times as large: 4.2 times half of it).
+    need more (P three times as large at one end: 2.3 times du^2/(2 (u1 + u2))).
 
     Args:
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
@@ -193,7 +193,7 @@ def uneven_share(
     uneven = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
     steps[friction[states][1:] == 0] = 0.0
     errors = np.einsum("tsj,tj->ts", np.nan_to_num(uneven), np.abs(steps))
-    return np.asarray(errors.sum(axis=0))
+    return np.asarray(1.5 * errors.sum(axis=0))
 
 
 @dataclass(frozen=True)

@@ -25,6 +25,7 @@ from halfplane_problems import PRESS_STEPS, problem, solved
 
 import fretfe
 from fretfe._typing import Array
+from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import tangential_factor
 from fretfe.analytic.profiles import edge_factor_k_n
 from fretfe.case import parse_case
@@ -112,9 +113,11 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
 def _ranges(loads: Array, a: Array, station: Station) -> tuple[float, float]:
     """Ranges of K_T and K_I over the evaluated cycle, by exact increments."""
     middle, steps = (a[1:] + a[:-1]) / 2, np.diff(loads, axis=0)
-    k_t = tangential_factor(steps[:, 1], steps[:, 2], middle, station.front)
+    side: Side = "left" if station.front == "left" else "right"
+    k_t = tangential_factor(steps[:, 1], steps[:, 2], middle, side)
     k_i = steps[:, 0] / (np.pi * np.sqrt(2 * middle))
-    return tuple(float(np.ptp(np.append(0.0, np.cumsum(each)))) for each in (k_t, k_i))  # type: ignore[return-value]
+    k_t_range, k_i_range = (float(np.ptp(np.append(0.0, np.cumsum(each)))) for each in (k_t, k_i))
+    return k_t_range, k_i_range
 
 
 def _counterpart(zone: SlipZone, times: Array, station: Station, finer: Array) -> SlipZone | None:

@@ -11,9 +11,15 @@ from campaign.judge import QUANTITIES, Judged
 
 # Elements over the half-width, or over the rounded part in contact, that meshes are told apart by.
 COARSE, FINE = 10, 25
+
+
+def _varies(name: str) -> Callable[[IrregularDraw], bool]:
+    return lambda one: one.varying == name
+
+
 CLASSES: dict[str, Callable[[IrregularDraw], bool]] = {
     "all": lambda one: True,
-    **{f"varies: {name}": lambda one, name=name: one.varying == name for name in VARYING},
+    **{f"varies: {name}": _varies(name) for name in VARYING},
     "cycle repeated": lambda one: one.repeats,
     "passed once": lambda one: not one.repeats,
     "degree 1": lambda one: one.degree == 1,
@@ -24,14 +30,16 @@ CLASSES: dict[str, Callable[[IrregularDraw], bool]] = {
 }
 
 
+def of_class(judged: Iterable[Judged], quantity: str, name: str = "all") -> list[Judged]:
+    """The numbers of a class."""
+    own = [each for each in judged if each.quantity == quantity]
+    chosen = CLASSES[name]
+    return [e for e in own if isinstance(e.draw, IrregularDraw) and chosen(e.draw)]
+
+
 def given(judged: Iterable[Judged], quantity: str, name: str = "all") -> list[Judged]:
     """The numbers of a class that have a value."""
-    chosen = CLASSES[name]
-    return [
-        each
-        for each in judged
-        if each.quantity == quantity and np.isfinite(each.value) and chosen(each.draw)  # type: ignore[arg-type]
-    ]
+    return [each for each in of_class(judged, quantity, name) if np.isfinite(each.value)]
 
 
 def held(numbers: list[Judged]) -> float:
@@ -48,9 +56,9 @@ def sharpness(numbers: list[Judged]) -> float:
 def coverage(judged: list[Judged]) -> str:
     """A row for each class and number, in Markdown."""
     rows = ["| class | number | given | bars hold | median bar/error |", "|---|---|---|---|---|"]
-    for name, chosen in CLASSES.items():
+    for name in CLASSES:
         for quantity in QUANTITIES:
-            drawn = [e for e in judged if e.quantity == quantity and chosen(e.draw)]  # type: ignore[arg-type]
+            drawn = of_class(judged, quantity, name)
             numbers = given(judged, quantity, name)
             if numbers:
                 rows.append(

@@ -22,6 +22,7 @@ from campaign.draw import (
     with_mission,
     with_quadrilaterals,
 )
+from campaign.irregular_draw import IrregularDraw
 from campaign.solids import SolidDraw
 from campaign.unlike_draw import UnlikeDraw
 
@@ -62,7 +63,7 @@ class Judged:
         whole: what errors are relative to where that is not the number itself.
     """
 
-    draw: Draw | SolidDraw | UnlikeDraw
+    draw: Draw | SolidDraw | UnlikeDraw | IrregularDraw
     edge: str
     quantity: str
     value: float

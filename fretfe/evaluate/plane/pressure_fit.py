@@ -271,7 +271,7 @@ def _rise(section: Section) -> tuple[Array, Array]:
     risen = np.maximum(risen, 1)
     length = np.take_along_axis(section.s, risen[:, None], 1)[:, 0]
     growth = length / (risen * section.s[:, 4] / 4)
-    return risen, np.where(growth > UNEVEN, GRADED * growth, 1.0)
+    return risen.astype(float), np.where(growth > UNEVEN, GRADED * growth, 1.0)
 
 
 def _longest_off(k_n: Array, mean: Array) -> Array:
