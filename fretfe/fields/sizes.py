@@ -33,7 +33,7 @@ MOST_COMPONENTS = 100
 # Groups of an HDF5 file that are in one another.
 DEEPEST = 20
 # Counts of the parts of a grid in HDF5, a number for each of them.
-PARTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+PARTS = {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"}
 # Its tables, or groups of them: the count of their rows, and rows more of each part.
 ROWS = {
     "Points": ("NumberOfPoints", 0),
@@ -305,7 +305,7 @@ class _Xml:
 
     @property
     def _begin(self) -> int:
-        """Where in the file offsets of what is appended count from."""
+        """Place in the file from which offsets of what is appended count."""
         if self._start_of_data < 0:
             with self.path.open("rb") as file:
                 file.seek(max(self.appended, 0))
@@ -393,9 +393,13 @@ def _require_rows(path: Path, tables: Mapping[str, Any]) -> None:
     Raises:
         CaseError: names the table that has not.
     """
-    if "VTKHDF/Points" not in tables:
+    counts = {
+        key: np.ravel(tables[f"VTKHDF/{key}"][()]).astype(np.int64)
+        for key in PARTS
+        if f"VTKHDF/{key}" in tables
+    }
+    if PARTS - counts.keys():  # no unstructured grid
         return
-    counts = {key: np.ravel(tables[f"VTKHDF/{key}"][()]).astype(np.int64) for key in PARTS}
     steps, count = tables.get("VTKHDF/Steps/Values"), 1
     if steps is not None:
         count = len(steps)
