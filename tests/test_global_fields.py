@@ -15,6 +15,7 @@ from pad_cases import pad, press
 
 from fretfe._typing import Array
 from fretfe.bodies import cut as bodies_cut
+from fretfe.bodies.constraints import read_all_cuts
 from fretfe.bodies.cut import Asked, Cut, read_cuts, read_temperatures, reduce_in_time
 from fretfe.bodies.definition import cut_notes, define_model, require_possible
 from fretfe.case import Case, parse_case
@@ -121,6 +122,32 @@ def test_points_with_a_hole_around_the_cut(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="in a hole"):
         cut(tmp_path / "run.csv", np.array([[0.0, 3.5], [3.5, 0.0]]), factor=1000.0)
     cut(tmp_path / "run.csv", np.array([[0.0, 3.5], [3.5, 0.1]]))
+
+
+def test_a_part_of_a_table_is_refused(tmp_path: Path) -> None:
+    """Its points are of no part: the key would be passed over."""
+    write_csv(tmp_path / "run.csv", np.pad(RANDOM.random((50, 2)), ((0, 0), (0, 1))), 2)
+    with pytest.raises(CaseError, match=r"run\.csv: expected no 'part' .* found 'blade'"):
+        cut(tmp_path / "run.csv", np.full((3, 2), 0.5), part="blade")
+
+
+def test_loads_take_other_arrays_of_one_file(tmp_path: Path) -> None:
+    points = np.array([[x, y, 0.0] for y in (-1, 2) for x in (-1, 2)])
+    grid = pyvista.UnstructuredGrid(np.array([4, 0, 1, 3, 2]), np.array([9]), points)
+    for name, factor in (("uh", 1.0), ("vh", 2.0)):
+        grid.point_data[name] = factor * linear(points)
+    grid.save(tmp_path / "run.vtu")
+    data = driven(tmp_path, RAMP).model_dump(mode="json", exclude_unset=True)
+    load = data["loads"].pop("cut") | {"file": "run.vtu"}
+    for name, side in (("uh", "upper_right"), ("vh", "lower_right")):
+        data["loads"][name] = {**load, "boundary": side, "arrays": [name]}
+    case = parse_case(data, tmp_path / "case.toml")
+    cuts = read_all_cuts(case, mesh())
+    for name, factor in (("uh", 1.0), ("vh", 2.0)):
+        asked, found = cuts[name]
+        places = np.pad(asked.places, ((0, 0), (0, 1)))
+        expected = factor * linear(places)[:, :2]
+        np.testing.assert_allclose(displacement(found, 1.0), expected, rtol=1e-6)
 
 
 def test_missing_files_are_named(tmp_path: Path) -> None:

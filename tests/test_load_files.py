@@ -107,9 +107,9 @@ def test_a_table_of_several_loads_is_read_once(
     """And again if it has changed."""
     read, original = [], field.read_field
 
-    def noted(path: Path, quantity: field.Quantity) -> field.Field:
+    def noted(path: Path, quantity: field.Quantity, arrays: field.Names) -> field.Field:
         read.append(path)
-        return original(path, quantity)
+        return original(path, quantity, arrays)
 
     monkeypatch.setattr(field, "read_field", noted)
     other = {**FIELD, "boundary": "lower_bottom"}

@@ -160,12 +160,12 @@ class _Walk:
             if self.place > len(self.data):
                 raise self._error(f"{name}: expected {count} values, found the file to end before")
             return
-        begin = self.place
+        begin, found = self.place, -1
         for found, word in enumerate(islice(WORD.finditer(self.data, begin), count)):
             if not _number(word[0]):
                 raise self._error(f"{name}: expected {count} values, found {found}")
             self.place = word.end()
-        if count and found + 1 < count:
+        if found + 1 < count:
             raise self._error(f"{name}: expected {count} values, found {found + 1}")
 
     def _count(self, text: bytes) -> int:

@@ -33,7 +33,7 @@ MOST_COMPONENTS = 100
 # Groups of an HDF5 file that are in one another.
 DEEPEST = 20
 # Counts of the parts of a grid in HDF5, a number for each of them.
-PARTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+PARTS = {"NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds"}
 # Its tables, or groups of them: the count of their rows, and rows more of each part.
 ROWS = {
     "Points": ("NumberOfPoints", 0),
@@ -305,7 +305,7 @@ class _Xml:
 
     @property
     def _begin(self) -> int:
-        """Where in the file offsets of what is appended count from."""
+        """Place in the file from which offsets of what is appended count."""
         if self._start_of_data < 0:
             with self.path.open("rb") as file:
                 file.seek(max(self.appended, 0))
@@ -393,9 +393,13 @@ def _require_rows(path: Path, tables: Mapping[str, Any]) -> None:
     Raises:
         CaseError: names the table that has not.
     """
-    if "VTKHDF/Points" not in tables:
+    counts = {
+        key: np.ravel(tables[f"VTKHDF/{key}"][()]).astype(np.int64)
+        for key in PARTS
+        if f"VTKHDF/{key}" in tables
+    }
+    if PARTS - counts.keys():  # no unstructured grid
         return
-    counts = {key: np.ravel(tables[f"VTKHDF/{key}"][()]).astype(np.int64) for key in PARTS}
     steps, count = tables.get("VTKHDF/Steps/Values"), 1
     if steps is not None:
         count = len(steps)
@@ -410,11 +414,13 @@ def _require_rows(path: Path, tables: Mapping[str, Any]) -> None:
         key, extra = ROWS[known]
         column = OFFSETS.get(short, short.replace("Data/", "DataOffsets/"))
         before = _of_steps(path, tables, column, count, 0)
+        # Values without places of their steps are those of one.
+        alone = steps is None or ("/" in short and f"VTKHDF/Steps/{column}" not in tables)
         for step, (first, size, start) in enumerate(zip(firsts, sizes, before, strict=True)):
             own = counts[key][max(first, 0) : max(first, 0) + size]
             need = start + int((own + extra).sum())
             short_of = min(first, size, start) < 0 or len(own) < size or need > len(table)
-            if short_of or (steps is None and need != len(table)):
+            if short_of or (alone and need != len(table)):
                 raise CaseError(
                     f"{path}: {name}: expected {need} rows by the counts of step {step + 1}, found "
                     f"{len(table)}"

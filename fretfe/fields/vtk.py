@@ -128,7 +128,8 @@ def _cells(grid: Any) -> Cells:
     # By VTK itself: PyVista has changed their names.
     cells = grid.GetCells()
     nodes = np.array(vtk_to_numpy(cells.GetConnectivityArray()), dtype=np.int64)
-    counts: Indices = np.diff(np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64))
+    offsets: Indices = np.array(vtk_to_numpy(cells.GetOffsetsArray()), dtype=np.int64)
+    counts = offsets[1:] - offsets[:-1]
     shapes = np.array(grid.celltypes, dtype=np.int64)
     if (lone := np.isin(shapes, LONE)).any() and len(shapes) == len(counts):
         nodes, counts, shapes = nodes[~np.repeat(lone, counts)], counts[~lone], shapes[~lone]

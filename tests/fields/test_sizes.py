@@ -143,6 +143,7 @@ def test_binary_arrays_in_xml(tmp_path: Path, mode: str, *, packed: bool) -> Non
         ("CELL_TYPES 4", "CELL_TYPES 5", "CELL_TYPES 5: expected 5 values, found 4"),
         ("CELLS 4 20", "CELLS 4 21", "CELLS 4: expected 21 values, found 20"),
         ("ids 1 9", "ids 1 10", "ids 1: expected 10 values, found 9"),
+        ("ids 1 9 int", "ids 1 9 int\nx", "ids 1: expected 9 values, found 0"),
         ("ASCII", "TEXT", "line 3: expected ASCII or BINARY"),
         ("T float", "T half", "SCALARS T: expected a type of numbers, found b'half'"),
     ],
@@ -158,6 +159,8 @@ def test_arrays_of_the_older_format(tmp_path: Path, old: str, new: str, expected
 def test_truncated_files_of_the_older_format(tmp_path: Path) -> None:
     """A value less is told, wherever it is missing."""
     path, random = tmp_path / "run.vtk", Random(1)
+    path.write_text(OLDER[: OLDER.index("double") + 7])
+    refused(path, "POINTS 9: expected 27 values, found 0")
     begin = OLDER.index("POINTS")
     blanks = [each.start() for each in re.finditer(r"(?<=\d) (?=\d)", OLDER[begin:])]
     for place in random.sample(blanks, 60):
@@ -181,6 +184,10 @@ HDF: dict[str, tuple[Callable[[Any], object], str]] = {
     ),
     "part beyond": (
         lambda root: replaced(root, "Steps/PartOffsets", [0, 1]), "by the counts of step 2",
+    ),
+    "no offsets": (
+        lambda root: root.__delitem__("Steps/PointDataOffsets/U"),
+        "VTKHDF/PointData/U: expected 9 rows by the counts of step 1, found 18",
     ),
     "few steps": (
         lambda root: replaced(root, "Steps/PointOffsets", [0]),
