@@ -462,7 +462,7 @@ def _require_contact(recorder: Recorder, dimension: int) -> None:
     if recorder.contact_carries:
         return
     adrift = recorder.bodies_restrained_by_contact
-    weights = np.concatenate([each.coupling.weights for each in recorder.places])
+    weights = np.concatenate([each.nodes.weights for each in recorder.places])
     reason = (
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"
