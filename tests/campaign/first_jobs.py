@@ -311,9 +311,11 @@ def cylinder_factors(job: Job) -> tuple[float, float] | None:
     the tension, ±dsigma sqrt(a/2)/4 (theory guide). Equal bodies with friction in the cycle only.
     """
     bodies = job.tables["bodies"]
+    if job.tables["geometry"]["template"] != "cylinder":
+        return None
     if job.cycle is None or bodies["upper"] != bodies["lower"] or job.unsolvable:
         return None
-    if job.friction == 0 or job.tables["geometry"]["template"] != "cylinder":
+    if job.friction == 0:
         return None
     e_star = modulus((bodies["upper"]["young"],) * 2, job.tables["model"]["plane"])
     inside = (job.shares[:, 0] >= job.cycle[0] - 1e-9) & (job.shares[:, 0] <= job.cycle[1] + 1e-9)

@@ -68,7 +68,7 @@ def outcome(tables: Tables, backend: str, *, report: bool = False) -> Result | F
         _use(result)
         _use(load_result(Path(folder)))
         if report:
-            assert draw_report(Path(folder)).problems == ()
+            assert (problems := draw_report(Path(folder)).problems) == (), problems
     return result
 
 

@@ -113,7 +113,7 @@ def cells(contact: Contact) -> list[str]:
     """K_N, ΔK_T, slip zones and predictions of the left edge, as a run prints them."""
     table = station_table(replace(solved(), contacts=(contact,)))
     assert table is not None
-    return [next(iter(column.cells)) for column in table.columns][3:]  # type: ignore[misc]
+    return [str(next(iter(column.cells))) for column in table.columns][3:]
 
 
 def records(contact: Contact) -> list[dict[str, Any]]:

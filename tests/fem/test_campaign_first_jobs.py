@@ -16,17 +16,17 @@ from hypothesis import HealthCheck, Phase, given, note, seed, settings  # noqa: 
 
 PROFILES = ("cylinder", "wedge", "flat_rounded")
 # A case takes a second or two: the short form tells which it is, the long form makes it small.
-DRAWN = {
-    "deadline": None,
-    "database": None,
-    "suppress_health_check": [HealthCheck.too_slow],
-    "phases": (Phase.generate, Phase.shrink) if LONG else (Phase.generate,),
-}
+DRAWN = settings(
+    deadline=None,
+    database=None,
+    suppress_health_check=[HealthCheck.too_slow],
+    phases=(Phase.generate, Phase.shrink) if LONG else (Phase.generate,),
+)
 
 
 @pytest.mark.timeout(7200 if LONG else 300)
 @seed(SEED)
-@settings(max_examples=60 if LONG else 6, **DRAWN)
+@settings(DRAWN, max_examples=60 if LONG else 6)
 @given(pads(8, PROFILES))
 def test_pad(job: Job) -> None:
     note(f"FRETFE_CAMPAIGN_SEED={SEED}")
@@ -35,7 +35,7 @@ def test_pad(job: Job) -> None:
 
 @pytest.mark.timeout(7200 if LONG else 300)
 @seed(SEED)
-@settings(max_examples=40 if LONG else 2, **DRAWN)
+@settings(DRAWN, max_examples=40 if LONG else 2)
 @given(blades())
 def test_blade(job: Job) -> None:
     note(f"FRETFE_CAMPAIGN_SEED={SEED}")
@@ -45,7 +45,7 @@ def test_blade(job: Job) -> None:
 @pytest.mark.skipif(not LONG, reason="a sphere takes half a minute: FRETFE_CAMPAIGN=long")
 @pytest.mark.timeout(7200)
 @seed(SEED)
-@settings(max_examples=8, **DRAWN)
+@settings(DRAWN, max_examples=8)
 @given(spheres())
 def test_sphere(job: Job) -> None:
     note(f"FRETFE_CAMPAIGN_SEED={SEED}")
