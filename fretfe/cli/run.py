@@ -176,9 +176,9 @@ def _print_numbers(console: Console, result: Result) -> None:
 
         return guarded(name, make, failed)
 
-    sentences = shown("evaluated cycle", lambda: cycle_sentences(result)) or ()
+    cycle = shown("evaluated cycle", lambda: cycle_sentences(result)) or ""
     fronts = shown("worst stations", lambda: front_texts(result)) if result.solid else ()
-    for text in (*sentences, *(fronts or ())):
+    for text in filter(None, (cycle, *(fronts or ()))):
         console.print(text, highlight=False, markup=False)
     tables = [
         shown("table of contacts", lambda: contact_table(result)),
