@@ -7,7 +7,6 @@ unknown, the rest goes on, and the traceback is kept in the folder of the run.
 
 from __future__ import annotations
 
-import os
 import sys
 import time
 import traceback
@@ -151,8 +150,7 @@ def write_traceback(directory: Path | None, place: str, trace: str) -> None:
     if directory is not None:
         line = f"{time.strftime('%Y-%m-%d %H:%M:%S')} {place}\n"
         try:
-            descriptor = open_own(directory / FAULTS, os.O_WRONLY | os.O_APPEND)
-            with open(descriptor, "a", encoding="utf-8") as file:
+            with open(directory / FAULTS, "a", encoding="utf-8", opener=open_own) as file:
                 file.write(f"{line}{trace}\n")
             return
         except OSError:  # a full disk, or a folder that is gone

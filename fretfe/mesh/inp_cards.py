@@ -13,7 +13,7 @@ from fretfe.files import DEEPEST_INCLUDE, MOST_BYTES, MOST_FILES, require_file
 from fretfe.mesh.inp_language import squeezed, whole_keyword, whole_parameter, whole_value
 
 # Begins a keyword that may include a file.
-INCLUDING = re.compile(rb"(?im)^[ \t]*\*[ \t]*inc")
+INCLUDING = re.compile(rb"^\s*\*\s*i", re.IGNORECASE | re.MULTILINE)
 # Stands for bytes that are not UTF-8; in comments they do not matter.
 UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 # Characters of a line in a message.
@@ -110,7 +110,7 @@ def included_files(path: Path) -> Iterator[Path]:
     """
     if INCLUDING.search(path.read_bytes()):
         files = _Files(path.parent)
-        for _ in files.cards(path, ()):
+        for _ in files.lines(path, ()):
             pass
         yield from files.read[1:]
 
