@@ -56,9 +56,8 @@ def _print(checked: Checked) -> None:
     from fretfe.checked import propose
     from fretfe.console import Console
     from fretfe.evaluate.resolution import coarse_contacts
-    from fretfe.loads import most_added
+    from fretfe.loads import cycle_words, most_added
     from fretfe.mesh.cost import refuse_too_large
-    from fretfe.report.page.evaluated import cycle_words
 
     case, history = checked.case, checked.history
     console = Console()

@@ -6,10 +6,16 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe.case import Case, Wave
-from fretfe.loads.history import CLOSED, History
+from fretfe.loads.history import CLOSED, CycleChoice, History
 
 # Added cycles from one extrapolation of slip to the next: it takes two changes without one between.
 PER_EXTRAPOLATION = 3
+REASONS = {
+    CycleChoice.GIVEN: "given in [cycle]",
+    CycleChoice.LAST_PERIOD: "the last whole period of the slowest wave",
+    CycleChoice.ADDED: "the last one of the cycles that were added",
+    None: "that of the loads it was run with",
+}
 
 
 class AddedCycles:
@@ -60,3 +66,11 @@ def most_added(case: Case, history: History, dimension: int) -> int:
     closed = np.abs(last - first) <= CLOSED * np.abs(history.values).max(axis=0)
     waves = (isinstance(load.history[-1], Wave) for load in case.loads.values())
     return case.cycle.most_more if closed.all() and any(waves) else 0
+
+
+def cycle_words(loads: History, unit: str) -> str:
+    """The cycle of some loads, "t = 2 to 3 s, the reason"; empty without one."""
+    if loads.cycle is None:
+        return ""
+    first, last = (loads.times[state] for state in loads.cycle)
+    return f"t = {first:.6g} to {last:.6g} {unit}, {REASONS[loads.choice]}"

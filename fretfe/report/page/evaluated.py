@@ -3,25 +3,10 @@
 
 from __future__ import annotations
 
-from fretfe.loads import CycleChoice, History
+from fretfe.loads import cycle_words
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import number
 from fretfe.results.model import Result
-
-REASONS = {
-    CycleChoice.GIVEN: "given in [cycle]",
-    CycleChoice.LAST_PERIOD: "the last whole period of the slowest wave",
-    CycleChoice.ADDED: "the last one of the cycles that were added",
-    None: "that of the loads it was run with",
-}
-
-
-def cycle_words(loads: History, unit: str) -> str:
-    """The cycle of some loads, "t = 2 to 3 s, the reason"; empty without one."""
-    if loads.cycle is None:
-        return ""
-    first, last = (number(float(loads.times[state]), 6) for state in loads.cycle)
-    return f"t = {first} to {last} {unit}, {REASONS[loads.choice]}"
 
 
 def cycle_sentences(run: Result) -> str:
