@@ -134,7 +134,7 @@ def _exact(one: IrregularDraw, times: Array, loads: Array, ends: Array) -> float
     level = (np.arange(LEVELS) + 0.5) * top / LEVELS
     share, d_level = np.zeros(LEVELS), top / LEVELS
     inside = loads[0, 0] > level
-    farthest = {1: np.inf, -1: np.inf}
+    farthest, latest = {1: np.inf, -1: np.inf}, 1
     for state in range(1, len(times)):
         p, q = loads[state, :2]
         pressed = p > level
@@ -160,9 +160,9 @@ def _exact(one: IrregularDraw, times: Array, loads: Array, ends: Array) -> float
                 inner = (
                     level[border] - d_level / 2 - d_level * min(abs(rest / d_level) / (2 * f), 1)
                 )
-                farthest[way] = min(farthest[way], inner)
+                farthest[way], latest = min(farthest[way], inner), way
     last = loads[np.argmin(np.abs(times - ends[1])), 0]
-    stick = min(farthest.values())
+    stick = farthest[latest]  # slip the other way is that of loops in between
     if not np.isfinite(stick):
         return 0.0
     return float(one.form.half_width(last) - one.form.half_width(max(stick, 0.0)))
