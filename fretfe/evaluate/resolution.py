@@ -401,6 +401,14 @@ def _load(case: Case, initial: InitialGap, normal: Array, force: float) -> float
 def _warning(
     case: Case, name: str, initial: InitialGap, normal: Array, force: float
 ) -> Iterator[str]:
+    for surface in (initial.surface1, initial.surface2):
+        if len(surface.sizes) < 2:
+            yield (
+                f"contact {name}: the surface of the body {surface.body!r} is a single facet: that "
+                f"is no contact surface, {WANTED_NODES} nodes in contact are wanted at least; mesh "
+                "it finer, or look for the facets that its physical group lacks"
+            )
+            return
     load, carrier = _load(case, initial, normal, force), _carrier(case.contacts[name], initial)
     solid = len(normal) == 3
     expected = _across_ellipse if solid else _across_strip

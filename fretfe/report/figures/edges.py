@@ -170,15 +170,23 @@ def _near(shown: Shown, edge: Station) -> _Near | None:
     moved = abs(edge.position[states[1]] - edge.position[states[0]])
     if change == 0.0:
         return None
-    return _Near(edge, states[0], states[1], line, abs(change), float(np.nan_to_num(moved)))
+    near = _Near(edge, states[0], states[1], line, abs(change), float(np.nan_to_num(moved)))
+    # A coarse contact may have no node inward of its edge.
+    return near if _behind(shown, near)[1].any() else None
+
+
+def _behind(shown: Shown, near: _Near) -> tuple[Array, Bools, float]:
+    """Distances of all nodes from the edge, those up to the half-width that count, and that."""
+    s = inward(near.edge) * (shown.tractions.arc - near.edge.position[near.later])
+    half_width = float(shown.summary.half_width[near.later])
+    inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
+    return s, inside, half_width
 
 
 def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
     top, bottom = figure.subplots(2, 1, sharex=True)
     units = shown.run.case.units
-    s = inward(near.edge) * (shown.tractions.arc - near.edge.position[near.later])
-    half_width = float(shown.summary.half_width[near.later])
-    inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
+    s, inside, half_width = _behind(shown, near)
     line = np.geomspace(s[inside].min(), half_width, 60)
     p = shown.tractions.mean_traction[near.later, inside, 0]
     top.plot(s[inside], _positive(p), ".-", ms=4, lw=0.8, color=BLUE, label="p, mean at the nodes")
