@@ -8,10 +8,10 @@ from itertools import product
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.mesh.elements import MIDDLES, NUMBERS
+from fretfe.mesh.elements import MIDDLES, NUMBERS, SHAPE_DIMENSIONS
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
-KINDS = [(cell, order) for cell in MIDDLES if cell != "line" for order in (1, 2)]
+KINDS = [(cell, order) for cell in SHAPE_DIMENSIONS if cell != "line" for order in (1, 2)]
 # The two triangles of a square, the six tetrahedra of a cube around its diagonal.
 _TRIANGLES = ((0, 1, 2), (0, 2, 3))
 _TETRAHEDRA = (

@@ -88,4 +88,5 @@ def write_many_contacts(folder: Path, count: int) -> Path:
     with h5py.File(folder / "results.h5", "r+") as arrays:
         for name in names:
             arrays.copy("contacts/main", arrays["contacts"], name=name)
+            arrays[f"contacts/{name}"].attrs["pair"] = name
     return folder

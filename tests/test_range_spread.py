@@ -48,31 +48,36 @@ def spreads(each: FactorHistories, spread: float = 0.0) -> tuple[RangeSpread, ..
 
 
 RANGE = float(np.ptp(WAVE))
+# .02 of an element of .1 over twice the half-width, which half-planes leave open.
+GRID = 0.002 / (2 * HALF_WIDTH)
 
 
 def test_extraction_is_half_the_difference_of_the_ways() -> None:
     left, right = spreads(histories([1.0, 1.1, 1.04]))
     assert left.extraction == pytest.approx(0.05 * RANGE)
     assert right.extraction == pytest.approx(0.005 * RANGE)
-    assert (left.discretisation, left.steps) == (0.0, 0.0)
+    mean = (1.0 + 1.1 + 1.04) / 3
+    assert left.discretisation == pytest.approx(GRID * mean * RANGE)
+    assert left.steps == 0.0
 
 
 def test_one_way_alone_is_exact_or_has_no_bar() -> None:
     alone = histories([1.0])
-    assert spreads(alone)[0] == RangeSpread(0.0, 0.0, 0.0)
+    assert spreads(alone)[0] == RangeSpread(0.0, pytest.approx(GRID * RANGE), 0.0)
     assert np.isnan(spreads(replace(alone, exact=False))[0].total)
 
 
 def test_discretisation_holds_fits_elements_edges_and_half_known_steps() -> None:
     (left, _) = spreads(histories([1.0, 1.0], fitted=0.97))
-    assert left.discretisation == pytest.approx(0.03 * RANGE)
+    assert left.discretisation == pytest.approx(np.hypot(0.03, GRID) * RANGE)
     # .475 of an element of .1 and an edge known to .05, over twice the half-width; at the
     # right station likewise, since its K_T may be a small difference.
     both = spreads(replace(histories([1.0, 1.0]), exact=False), spread=0.05)
     share = np.hypot(0.0475, 0.05) / (2 * HALF_WIDTH)
     assert [each.discretisation for each in both] == pytest.approx([share * RANGE] * 2)
     half_known = replace(histories([1.0, 1.0]), one_sided=np.array([0.2, 0.0]))
-    assert [each.discretisation for each in spreads(half_known)] == [0.2, 0.0]
+    held = [np.hypot(each, GRID * RANGE) for each in (0.2, 0.0)]
+    assert [each.discretisation for each in spreads(half_known)] == pytest.approx(held)
 
 
 def test_steps_miss_what_lies_between_them() -> None:

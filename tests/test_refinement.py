@@ -205,7 +205,12 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
     history = SimpleNamespace(arc=x, traction=pressure, name="flat")
     unknown = np.full(2, np.nan)
     station = SimpleNamespace(
-        front="left", last=1, last_k_n=(math.nan, math.nan), uncertain=False, position=unknown
+        front="left",
+        last=1,
+        last_k_n=(math.nan, math.nan),
+        uncertain=False,
+        position=unknown,
+        unknown="",
     )
     contact = SimpleNamespace(name="flat", stations=(station,), half_width=unknown)
     solution = SimpleNamespace(contacts=(history,), cycle=None, times=np.arange(2.0))

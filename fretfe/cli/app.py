@@ -42,7 +42,7 @@ Exit codes:
   3  the geometry, the mesh or the physical groups are wrong
   4  the model is wrong: nothing holds a body, or surfaces never meet
   5  a load step has no solution, or equilibrium is lost; the steps before it are written
-  6  results cannot be written or read
+  6  results, or what is printed, cannot be written or read
   7  a library is missing
   8  there is not enough memory
   9  an error of fretfe (a bug) left something unknown; all else is written

@@ -66,7 +66,7 @@ def plane_warnings(
     if unsteady := unsteady_text(changes):
         yield unsteady
     for station in stations:
-        yield from _uncertain(station)
+        yield from _uncertain(station, linear=solution.degree == 1)
     for station in stations:
         ends = np.column_stack([contact.arc[:-1], contact.arc[1:]])
         s = plane_front(station.front).inward * (ends - station.position[station.last])
@@ -335,12 +335,14 @@ def _surfaces(contact: ContactHistory) -> Iterator[str]:
             )
 
 
-def _uncertain(station: Station) -> Iterator[str]:
+def _uncertain(station: Station, *, linear: bool) -> Iterator[str]:
     """Numbers of a station that the mesh or the steps leave open."""
     if station.uncertain:
+        # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
+        first = "where bodies have linear elements take [model] degree = 2, then " if linear else ""
         yield (
             f"K_N at the {station.front} edge is {station.last_k_n[0]:.3g} ± "
-            f"{station.last_k_n[1]:.2g}: refine the mesh at this edge"
+            f"{station.last_k_n[1]:.2g}: {first}refine the mesh at this edge"
         )
     steps = station.k_range_parts.steps
     if steps > LARGEST_STEPS * station.k_t_range:

