@@ -26,15 +26,16 @@ from fretfe.evaluate.slip import SlipBorder
 
 # Depths at which the memory is followed, over the largest one, and next to the border no shape.
 LEVELS, TIP = 800, 0.02
-# Part of the drive by which a loop may miss its beginning: K_T does where P varies as well.
-LOOSE = 0.1
+# Part of the drive by which a loop may miss its beginning by the error of K_T; f K_I, which moves
+# the edge to first order only, counts besides.
+LOOSE = 0.005
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
 PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
 # Steady growth, where the loads tell another one, has to leave an error bar so many times as small.
 CLEARLY = 3.0
 # A shape within so much of (D - y)^(3/2) is that.
-EVEN = 0.03
+EVEN = 0.05
 
 
 @dataclass(frozen=True)
@@ -46,12 +47,14 @@ class Growth:
         rate: (m,) increase of the drive while the zone ended at each depth.
         edge: f K_N y of the edge at the end of the half cycle.
         unit: f K_N then.
+        loose: part of the drive by which a loop may miss its beginning.
     """
 
     depth: Array
     rate: Array
     edge: float
     unit: float
+    loose: float
 
     @property
     def border(self) -> float:
@@ -72,20 +75,12 @@ class Growth:
         return bool(np.ptp(stretch) < EVEN)
 
     def versions(self) -> tuple[Growth, ...]:
-        """The growth, and up to where it jumps at the end by little of the drive.
+        """The growth, and without what the last loose part of the drive adds.
 
-        Where a loop closes then the zone jumps, or does not.
+        Where a loop closes then the zone jumps, or grows twice as fast, or does not.
         """
         beyond = np.cumsum(self.rate[::-1])[::-1]
-        jumps = np.flatnonzero((self.rate[1:] > 0) & (self.rate[:-1] == 0)) + 1
-        places = np.arange(len(self.rate))
-        return (
-            self,
-            *(
-                replace(self, rate=np.where(places < jump, self.rate, 0.0))
-                for jump in jumps[beyond[jumps] < LOOSE * beyond[0]]
-            ),
-        )
+        return self, replace(self, rate=np.where(beyond > self.loose * beyond[0], self.rate, 0.0))
 
     def stretch(self, share: Array) -> Array:
         """(n,) |slip|^(2/3) over that of a zone that grew steadily, but for a factor.
@@ -132,7 +127,9 @@ def zone_growth(
     radius = np.linspace(0.0, largest, LEVELS + 1)
     counted = outer[states] & (states > start)
     depth, rates = radius[:-1] + largest / LEVELS / 2, _rates(k_t, retreat, radius, counted)
-    return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]))
+    drive, moved = float(rates.sum()), float(np.ptp(retreat[half_cycle]))
+    loose = LOOSE + (moved / drive if drive > moved else 1.0)
+    return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]), loose)
 
 
 def evened(
@@ -144,8 +141,9 @@ def evened(
 ) -> SlipBorder:
     """Border of a zone that need not have grown steadily.
 
-    The slip is made what steady growth would leave; of all versions of the growth, and steady
-    growth, that one counts which leaves the straightest lines.
+    The slip is made what steady growth would leave; of both versions of the growth, and steady
+    growth, that one counts which leaves the straightest lines. If none of the versions is steady
+    growth it has to be clearly straighter.
 
     Args:
         growth: of the zone.
@@ -154,15 +152,17 @@ def evened(
         find: gives the border if slip is divided by factors (n,).
         size: of the elements at the border.
     """
-    versions = [each for each in growth.versions() if not each.even]
-    if border.gross or not versions or not border.length > 0:
+    both = growth.versions()
+    versions = [each for each in both if not each.even]
+    if border.gross or both[0].even or not border.length > 0:
         return border
+    weight = 1.0 if len(versions) < len(both) else CLEARLY
     apart = size / math.sqrt(12)
     if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)
         return replace(border, spread=math.hypot(border.spread, apart, missed))
     found = [border, *(_settled(each, s, border, find) for each in versions)]
-    straight = [each.spread * (CLEARLY if each is border else 1.0) for each in found]
+    straight = [each.spread * (weight if each is border else 1.0) for each in found]
     best = found[int(np.argmin(straight))]
     rivals = [each for each in found if each.spread < best.spread]
     doubt = max((abs(each.length - best.length) / 2 for each in rivals), default=0.0)
