@@ -32,7 +32,7 @@ LOOSE = 0.005
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
 PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
-# Steady growth, where the loads tell another one, has to leave an error bar so many times as small.
+# Growth other than the loads tell has to leave an error bar so many times as small.
 CLEARLY = 3.0
 # A shape within so much of (D - y)^(3/2) is that.
 EVEN = 0.05
@@ -142,8 +142,8 @@ def evened(
     """Border of a zone that need not have grown steadily.
 
     The slip is made what steady growth would leave; of both versions of the growth, and steady
-    growth, that one counts which leaves the straightest lines. If none of the versions is steady
-    growth it has to be clearly straighter.
+    growth, that one counts which leaves the straightest lines: steady growth if it is clearly
+    straighter, or if one version is that and the other one is not clearly straighter.
 
     Args:
         growth: of the zone.
@@ -156,7 +156,7 @@ def evened(
     versions = [each for each in both if not each.even]
     if border.gross or both[0].even or not border.length > 0:
         return border
-    weight = 1.0 if len(versions) < len(both) else CLEARLY
+    weight = 1 / CLEARLY if len(versions) < len(both) else CLEARLY
     apart = size / math.sqrt(12)
     if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)
