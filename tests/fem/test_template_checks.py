@@ -250,6 +250,7 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
     ("sphere", "zone in x"): ({"contact_x": 12}, "contact_x: expected at most 11.25 "),
     ("sphere", "zone in z"): ({"contact_z": 12}, "contact_z: expected at most 11.25 "),
     ("sphere", "size"): ({"contact_z": 0.1}, "size: expected at most 0.05 "),
+    ("sphere", "number of elements"): ({"size": 1e-5}, "size: expected at least "),
     ("sphere", "upper height"): ({"upper_height": 10}, "upper_height: expected at least 10.76"),
     ("sphere", "lower height"): ({"lower_height": 3}, "lower_height: expected at least 3.6 "),
     ("cylinder_finite", "half cylinder"): (
