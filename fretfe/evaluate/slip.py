@@ -71,6 +71,9 @@ class PredictedSlip:
     loop: float
 
 
+# Part of all that drives slip which is round-off.
+UNDRIVEN = 1e-9
+
 # Slip zone between two states, measured from the edge at the second one.
 FindBorder = Callable[[int, int], SlipBorder]
 
@@ -212,7 +215,8 @@ def _half_cycles(
 
     Forward slip grows as long as K_T - f K_I does, backward slip as long as K_T + f K_I falls: at
     constant normal load half cycles end where K_T reverses. What comes after the evaluated cycle
-    has other ranges than those that are told, and is left out.
+    has other ranges than those that are told, and is left out. A cycle in which nothing drives slip
+    on is the last half cycle itself: what slipped before it is none of its zones.
     """
     last = last_state(cycle, station)
     k_t, k_i = station.k_t[: last + 1], station.k_i[: last + 1]
@@ -223,7 +227,16 @@ def _half_cycles(
     if len(ends) > 1 and ends[-1] == last and not _at_extreme(forward, backward, states, last):
         ends.pop()
     ends = ends or [last]
-    return list(zip([first, *ends[:-1]], ends, strict=True))
+    starts = [first, *ends[:-1]]
+    if len(cycle) and starts[-1] < cycle[0] and not _driven_on(forward, backward, cycle):
+        return [(int(cycle[0]), last)]
+    return list(zip(starts, ends, strict=True))
+
+
+def _driven_on(forward: Array, backward: Array, cycle: States) -> bool:
+    """True if slip one way goes on in a cycle beyond its first state."""
+    within = forward[cycle].max() - forward[cycle[0]], backward[cycle[0]] - backward[cycle].min()
+    return bool(max(within) > UNDRIVEN * max(np.ptp(forward), np.ptp(backward)))
 
 
 def last_state(cycle: States, station: StationHistory) -> int:

@@ -138,11 +138,10 @@ def _faults_of_numbers(result: Result, job: Job) -> Iterator[str]:
         bar = largest.k_range_spread
         allowed = FINITE * k_t_range + PRESSED * largest.k_i_range + 1e-9 * scale
         yield from _off(largest.front, "ΔK_T", largest.k_range, bar, k_t_range, allowed)
-    cycle = result.loads.cycle
-    if slip is not None and contact.steady and cycle is not None:
+    if slip is not None and contact.steady and result.loads.cycle is not None:
         for each in contact.stations:
             for zone in each.slip_zones[-2:]:
-                if zone.resolved and zone.start >= cycle[0]:
+                if zone.resolved:
                     yield from _off(each.front, "d", zone.length, zone.spread, slip, BORDER)
 
 

@@ -25,6 +25,10 @@ STILL = {
         1e-12,
     ),
     "an amplitude of 0": (problem(LOAD, 0.0 * WAVE, cycle=CYCLE), 1e-12),
+    "an amplitude of 0 after a shear force": (
+        problem(LOAD, np.append(np.linspace(0.06, 0.3, 5), 0.3 + 0.0 * WAVE) * LIMIT, cycle=CYCLE),
+        1e-12,
+    ),
     "an amplitude of 1e-9": (problem(LOAD, 1e-9 * LIMIT * WAVE, cycle=CYCLE), 1e-8),
     # d = ΔK_T/(f K_N) = a Q/(f P) to first order
     "friction of 1e6": (problem(LOAD, 0.3 * WAVE, friction=1e6, cycle=CYCLE), 1e-6),

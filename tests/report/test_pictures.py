@@ -207,7 +207,9 @@ def test_a_display_is_made_where_there_is_none(
     launcher.chmod(0o755)
     monkeypatch.setenv("PYTHONPATH", str(tmp_path))
     monkeypatch.setattr(shutil, "which", lambda _: str(launcher))
-    assert set(reasons(folder).values()) == {"fretfe itself failed (ValueError: seen): please report that"}
+    assert set(reasons(folder).values()) == {
+        "fretfe itself failed (ValueError: seen): please report that"
+    }
 
 
 def test_a_display_is_not_tried_without_xauth(
