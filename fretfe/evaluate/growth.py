@@ -27,8 +27,9 @@ from fretfe.evaluate.slip import SlipBorder
 # Depths at which the memory is followed, over the largest one, and next to the border no shape.
 LEVELS, TIP = 800, 0.02
 # Part of the drive by which a loop may miss its beginning by the error of K_T; f K_I, which moves
-# the edge to first order only, counts besides.
+# the edge to first order only, counts besides; and the most of both.
 LOOSE = 0.005
+MOST_LOOSE = 0.1
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
 PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
@@ -75,12 +76,32 @@ class Growth:
         return bool(np.ptp(stretch) < EVEN)
 
     def versions(self) -> tuple[Growth, ...]:
-        """The growth, and without what the last loose part of the drive adds.
+        """The growth, and up to where it jumps at the end by little of the drive.
 
-        Where a loop closes then the zone jumps, or grows twice as fast, or does not.
+        Where a loop closes then the zone jumps, or does not.
         """
-        beyond = np.cumsum(self.rate[::-1])[::-1]
-        return self, replace(self, rate=np.where(beyond > self.loose * beyond[0], self.rate, 0.0))
+        beyond = self._beyond
+        jumps = np.flatnonzero((self.rate[1:] > 0) & (self.rate[:-1] == 0)) + 1
+        places = np.arange(len(self.rate))
+        return (
+            self,
+            *(
+                replace(self, rate=np.where(places < jump, self.rate, 0.0))
+                for jump in jumps[beyond[jumps] < MOST_LOOSE * beyond[0]]
+            ),
+        )
+
+    @property
+    def nearly_even(self) -> bool:
+        """True if the zone has grown steadily but for the last loose part of the drive."""
+        beyond = self._beyond
+        kept = np.where(beyond > self.loose * beyond[0], self.rate, 0.0)
+        return replace(self, rate=kept).even
+
+    @property
+    def _beyond(self) -> Array:
+        """(m,) the drive while the zone ended at each depth or farther inward."""
+        return np.asarray(np.cumsum(self.rate[::-1])[::-1])
 
     def stretch(self, share: Array) -> Array:
         """(n,) |slip|^(2/3) over that of a zone that grew steadily, but for a factor.
@@ -128,7 +149,7 @@ def zone_growth(
     counted = outer[states] & (states > start)
     depth, rates = radius[:-1] + largest / LEVELS / 2, _rates(k_t, retreat, radius, counted)
     drive, moved = float(rates.sum()), float(np.ptp(retreat[half_cycle]))
-    loose = LOOSE + (moved / drive if drive > moved else 1.0)
+    loose = min(LOOSE + moved / drive, MOST_LOOSE) if drive > 0 else 0.0
     return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]), loose)
 
 
@@ -141,9 +162,9 @@ def evened(
 ) -> SlipBorder:
     """Border of a zone that need not have grown steadily.
 
-    The slip is made what steady growth would leave; of both versions of the growth, and steady
+    The slip is made what steady growth would leave; of all versions of the growth, and steady
     growth, that one counts which leaves the straightest lines: steady growth if it is clearly
-    straighter, or if one version is that and the other one is not clearly straighter.
+    straighter, or if only the end of the growth tells otherwise, and not clearly.
 
     Args:
         growth: of the zone.
@@ -152,11 +173,10 @@ def evened(
         find: gives the border if slip is divided by factors (n,).
         size: of the elements at the border.
     """
-    both = growth.versions()
-    versions = [each for each in both if not each.even]
-    if border.gross or both[0].even or not border.length > 0:
+    if border.gross or growth.even or not border.length > 0:
         return border
-    weight = 1 / CLEARLY if len(versions) < len(both) else CLEARLY
+    versions = [each for each in growth.versions() if not each.even]
+    weight = 1 / CLEARLY if growth.nearly_even else CLEARLY
     apart = size / math.sqrt(12)
     if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)

@@ -71,6 +71,9 @@ class PredictedSlip:
     loop: float
 
 
+# Part of the ranges of K_T and f K_I by which they may miss their beginning in a closed cycle:
+# increments of a moving edge add up to that much.
+LEFT_OPEN = 0.1
 # Part of all that drives slip which is round-off.
 UNDRIVEN = 1e-9
 
@@ -117,7 +120,7 @@ def slip_zones(
     known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
     begin = max(first, int(np.argmax(known)))
     last = last_state(cycle, station)
-    if not known[begin : last + 1].all():
+    if begin >= last or not friction[last] > 0 or not known[begin : last + 1].all():
         return ()
     zones = []
     halves: Sequence[tuple[int, int]] = [(max(last - 1, begin), last)]
@@ -151,7 +154,7 @@ def slip_zones(
             missed=missed,
         )
         zones.append(_doubted(zone, border.spread))
-    return tuple(zones)
+    return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
 
 
 def _without_faint(borders: list[SlipBorder]) -> list[SlipBorder]:
@@ -216,7 +219,7 @@ def _half_cycles(
     Forward slip grows as long as K_T - f K_I does, backward slip as long as K_T + f K_I falls: at
     constant normal load half cycles end where K_T reverses. What comes after the evaluated cycle
     has other ranges than those that are told, and is left out. A cycle in which nothing drives slip
-    on is the last half cycle itself: what slipped before it is none of its zones.
+    on is a half cycle of its own.
     """
     last = last_state(cycle, station)
     k_t, k_i = station.k_t[: last + 1], station.k_i[: last + 1]
@@ -227,10 +230,32 @@ def _half_cycles(
     if len(ends) > 1 and ends[-1] == last and not _at_extreme(forward, backward, states, last):
         ends.pop()
     ends = ends or [last]
-    starts = [first, *ends[:-1]]
-    if len(cycle) and starts[-1] < cycle[0] and not _driven_on(forward, backward, cycle):
-        return [(int(cycle[0]), last)]
-    return list(zip(starts, ends, strict=True))
+    halves = list(zip([first, *ends[:-1]], ends, strict=True))
+    if not len(cycle):
+        return halves
+    return (
+        [*halves, (int(cycle[0]), last)] if _at_rest(halves, forward, backward, cycle) else halves
+    )
+
+
+def _at_rest(
+    halves: Sequence[tuple[int, int]], forward: Array, backward: Array, cycle: States
+) -> bool:
+    """True if no half cycle begins or ends in a cycle, and nothing drives slip on in it."""
+    turns = [each for half in halves for each in half if cycle[0] < each < cycle[-1]]
+    return not turns and not _driven_on(forward, backward, cycle)
+
+
+def _before_cycle(halves: Sequence[tuple[int, int]], cycle: States) -> int:
+    """Number of first half cycles that would stand among the last two, and are none of the cycle.
+
+    First loading beside a single half cycle of it, and all before one that is the whole cycle.
+    """
+    if not len(cycle) or len(halves) < 2:
+        return 0
+    if tuple(halves[-1]) == (cycle[0], cycle[-1]):
+        return len(halves) - 1
+    return 1 if len(halves) == 2 and halves[0][1] <= cycle[0] else 0
 
 
 def _driven_on(forward: Array, backward: Array, cycle: States) -> bool:
@@ -262,11 +287,20 @@ def _prediction(
     k_n = station.k_n
     if not len(cycle) or end <= cycle[0] or not np.isfinite(k_n[end]):
         return np.nan, np.nan
+    if not _closed(station, cycle, friction):
+        return np.nan, np.nan
     reference = end - int(cycle[0])
     predicted = predicted_slip(
         station.k_t[cycle], station.k_i[cycle], float(k_n[end]), float(friction), reference
     )
     return predicted.cyclic, predicted.loop
+
+
+def _closed(station: StationHistory, cycle: States, friction: float) -> bool:
+    """True if the factors return in a cycle to what they were: formulas hold for closed ones."""
+    k_t, k_i = station.k_t[cycle], friction * station.k_i[cycle]
+    left = abs(k_t[-1] - k_t[0]) + abs(k_i[-1] - k_i[0])
+    return bool(left <= LEFT_OPEN * (np.ptp(k_t) + np.ptp(k_i)))
 
 
 def predicted_slip(

@@ -281,7 +281,7 @@ def _no_formula(station: Station, zone: SlipZone) -> str:
     if station.turning > LARGEST_TURNING:
         return "the direction of K_T and K_S turns: there is no formula"
     if math.isnan(zone.prediction):
-        return "there is no prediction outside the evaluated cycle"
+        return "there is no prediction outside a closed cycle"
     return ""
 
 

@@ -140,6 +140,7 @@ def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
     contact = contact_edges(problem)
     states = cycle_states(problem.history.cycle)
     states = states if len(states) else np.array([-1])
+    states = states[np.isfinite(contact.left[states])]  # the bodies may part in the cycle
     half_width = float(np.min(contact.right[states] - contact.left[states]) / 2)
     length = governing_length(problem, half_width)
     shift = edge_shift(problem) * half_width

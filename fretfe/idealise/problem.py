@@ -151,6 +151,8 @@ def left_out_by_stretch(problem: HalfPlaneProblem) -> tuple[float, float]:
     if not friction.any():
         return 0.0, 0.0
     begin, last = cycle or (max(int(np.argmax(friction > 0)) - 1, 0), len(friction) - 1)
+    if not friction[last] > 0:
+        return 0.0, 0.0
     edges = contact_edges(problem)
     a = float(edges.right[last] - edges.left[last]) / 2
     change = abs(problem.stretch) * float(np.ptp(problem.normal_force[begin : last + 1]))

@@ -169,7 +169,7 @@ def test_edge_from_which_a_slip_zone_counts() -> None:
     for edge, row, cell in zip(edges, edge_records((moved,)), cells, strict=True):
         places = [float(edge.position[zone.end]) for zone in edge.slip_zones[-2:]]
         first, second = (number(zone.length, 3) for zone in edge.slip_zones[-2:])
-        assert cell == f"{first} from {number(places[0])} / {second}"
+        assert cell == f"{first} / {second}\nfrom {' / '.join(map(number, places))}"
         assert [row["slip_1_from"], row["slip_2_from"]] == places
         assert places[0] == pytest.approx(row["position"] - 0.1)
 

@@ -81,9 +81,7 @@ def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
     # ~ marks a length that is not resolved, or known to a tenth at best.
     measured = [
-        "gross"
-        if zone.gross
-        else marked(number(zone.reported_length, 3), zone.uncertain) + _counted_from(edge, zone)
+        "gross" if zone.gross else marked(number(zone.reported_length, 3), zone.uncertain)
         for zone in zones
     ]
     predicted = [edge.told_prediction(zone) for zone in zones]
@@ -92,17 +90,21 @@ def _edge_cells(edge: Station) -> list[str]:
         number(edge.position[edge.last]),
         marked(number(edge.reported_k_n), edge.uncertain),
         marked(number(edge.reported_range), edge.uncertain_range),
-        " / ".join(measured) or MISSING,
+        (" / ".join(measured) or MISSING) + _counted_from(edge, zones),
         marked(known, edge.uncertain or edge.uncertain_range),
     ]
 
 
-def _counted_from(edge: Station, zone: SlipZone) -> str:
-    """Text for the edge's position when a slip zone ends, if that is not where the table has it."""
-    here, then = float(edge.position[edge.last]), float(edge.position[zone.end])
-    if not abs(then - here) > SAME_PLACE * zone.reported_length:
+def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
+    """A line with the edge's positions when slip zones end, if the table has it elsewhere."""
+    here = float(edge.position[edge.last])
+    places = [float(edge.position[zone.end]) for zone in zones]
+    if not any(
+        abs(then - here) > SAME_PLACE * zone.reported_length
+        for zone, then in zip(zones, places, strict=True)
+    ):
         return ""
-    return f" from {number(then)}"
+    return f"\nfrom {' / '.join(number(then) for then in places)}"
 
 
 def _predicted(station: Station, zone: SlipZone) -> str:
@@ -408,7 +410,9 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found="gross" if zone.gross else marked(length, zone.uncertain) + _counted_from(edge, zone),
+        found="gross"
+        if zone.gross
+        else marked(length, zone.uncertain) + _counted_from(edge, [zone]),
         predicted=_predicted(edge, zone),
         ratio=number(ratio, 3),
         verdict=verdict.word,
