@@ -293,7 +293,7 @@ class Certificate:
         dissipation: work of the slip of the step against the shear at its end, per unit thickness
             (must not be negative).
         pressure_scale: largest pressure, the scale of the tractions.
-        gap_scale: largest gap or displacement by a coordinate, the scale of the lengths.
+        gap_scale: largest gap, or displacement by a coordinate or loads: the scale of the lengths.
     """
 
     penetration: float
@@ -333,6 +333,7 @@ def certify(
     pressure, shear = traction[:, 0], np.linalg.norm(traction[:, 1:], axis=1)
     gap = relative[:, 0]
     motion = (interface.motion * state.coordinates).reshape(*relative.shape, -1) / roots[..., None]
+    by_loads = (interface.loads @ loads.amplitudes).reshape(relative.shape) / roots
     opened, stuck, slipping = (state.status == s for s in (OPEN, STICK, SLIP))
     along = np.einsum("ij,ij->i", increment, state.direction)
     directed = np.any(state.direction != 0, axis=1)  # without friction there is no direction
@@ -351,6 +352,7 @@ def certify(
         gap_scale=max(
             _largest(np.abs(relative).ravel()),
             _largest(np.abs(motion).ravel()),
+            _largest(np.abs(by_loads).ravel()),
             np.finfo(float).tiny,
         ),
     )

@@ -36,6 +36,8 @@ FEWEST_NODES = 80
 BESIDE, FINE = 2.5, 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
+# Part of the largest force below which a contact is unloaded.
+UNLOADED = 1e-6
 # Part of the largest K_T below which a range is round-off.
 ROUND_OFF = 1e-9
 # Fronts of plane contacts.
@@ -95,12 +97,16 @@ def solid_warnings(
     if not closed.any():
         yield _never_touch(smallest, contact.weights, 3)
         return
-    nodes = int(np.count_nonzero(contact.status[len(contact.status) - 1] != OPEN))
-    if 0 < nodes < FEWEST_NODES:
+    # What a contact has without a force, or behind the evaluated cycle, no number is told of.
+    last = solution.cycle[1] if solution.cycle else len(contact.status) - 1
+    forces = np.abs(found["normal_force"])
+    nodes = int(np.count_nonzero(contact.status[last] != OPEN))
+    if 0 < nodes < FEWEST_NODES and forces[last] > UNLOADED * forces.max():
+        finer = math.ceil(10 * math.sqrt(FEWEST_NODES / nodes)) / 10
         yield (
-            f"{nodes} nodes are in contact in the last state, {FEWEST_NODES} are wanted at least "
-            f"for pressures and areas: make the elements {np.sqrt(FEWEST_NODES / nodes):.1f} times "
-            "smaller there"
+            f"{nodes} node{' is' if nodes == 1 else 's are'} in contact in state {last}, "
+            f"{FEWEST_NODES} are wanted at least for pressures and areas: make the elements "
+            f"{finer:.1f} times smaller there"
         )
     if found["lack"].kind is not Lack.NOTHING:
         yield (

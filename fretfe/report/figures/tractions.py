@@ -483,6 +483,9 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     arc = tractions.arc
     borders = np.concatenate([[arc[0]], (arc[1:] + arc[:-1]) / 2, [arc[-1]]])
     seen = np.flatnonzero((borders[1:] >= low) & (borders[:-1] <= high))
+    if not len(seen):
+        say(axes, "No node of the surface is near this edge.")
+        return
     nodes = slice(seen[0], seen[-1] + 1)
     axes.pcolormesh(
         borders[seen[0] : seen[-1] + 2],
