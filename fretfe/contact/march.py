@@ -154,7 +154,11 @@ class March:
         return StepResult(
             state=solved,
             dissipation=friction_work(
-                state, solved, loads.friction, self.interface.contacts.values()
+                state,
+                solved,
+                loads.friction,
+                self.interface.contacts.values(),
+                self.interface.roots,
             ),
             iterations=iterations + spent,
             parts=1,

@@ -359,7 +359,11 @@ def certify(
 
 
 def friction_work(
-    before: ContactState, after: ContactState, friction: Array, contacts: Iterable[slice]
+    before: ContactState,
+    after: ContactState,
+    friction: Array,
+    contacts: Iterable[slice],
+    roots: Array,
 ) -> Array:
     """(N,) friction work done at each node on the way between two states, per unit thickness.
 
@@ -371,6 +375,7 @@ def friction_work(
         after: the state after.
         friction: (N,) coefficient on the way.
         contacts: nodes of each contact.
+        roots: (N,) roots of the weights, by which lengths and tractions are multiplied.
     """
     slip = lengths(after.relative[:, 1:] - before.relative[:, 1:])
     pressures = np.maximum([before.traction[:, 0], after.traction[:, 0]], 0.0)
@@ -383,8 +388,9 @@ def friction_work(
     )
     for nodes in contacts:
         # Motion before a node touches, or after it has parted, is no slip: nodes in contact tell.
-        largest = slip[nodes][stays[nodes]].max(initial=0.0)
-        slip[nodes] = np.minimum(slip[nodes], largest)
+        true = slip[nodes] / roots[nodes]
+        largest = true[stays[nodes]].max(initial=0.0)
+        slip[nodes] = np.minimum(true, largest) * roots[nodes]
     return np.where(after.status == STICK, 0.0, friction * works * slip)
 
 

@@ -24,7 +24,8 @@ def state(status: list[int], pressure: list[float], moved: list[float], way: flo
 
 def work(before: ContactState, after: ContactState, *contacts: slice) -> Array:
     every = contacts or (slice(0, len(after.status)),)
-    return friction_work(before, after, FRICTION * np.ones(len(after.status)), every)
+    count = len(after.status)
+    return friction_work(before, after, FRICTION * np.ones(count), every, np.ones(count))
 
 
 def test_pressure_on_the_way_of_slip_that_goes_on_begins_and_turns() -> None:

@@ -77,6 +77,9 @@ FindUnits = Callable[[Solution, ContactHistory, Array], UnitFactors]
 # with them where elements grow by a quarter of the distance from the contact, however fine the mesh
 # at the edges, and up to 6 % where they grow by .45.
 LINEAR_ELEMENTS = 0.06
+LINEAR_GROWTH = 0.45
+# Elements at the edge within which sizes behind it tell no growth.
+BEHIND = 3.0
 
 
 def evaluate_plane(
@@ -367,7 +370,10 @@ class _Edges:
         exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
         half_width = abs(float((self.centre - fit.position)[-1]))
         movement = edge_movement(contact, front, half_width, float(exponents[-1]))
-        k_n_spread = _k_n_spread(self.solution, fit, movement.k_n, self.histories.exact)
+        linear = self.solution.degree == 1 and not self.histories.exact
+        hidden = _linear_error(front, self.contact.arc, fit.position) if linear else 0.0
+        bars = np.hypot(fit.spread_k_n, hidden * fit.k_n)
+        k_n_spread = with_moved(fit.k_n, bars, movement.k_n)
         factors = self.histories.ways[:, front.number].mean(axis=0)
         history = front.history(fit.position, fit.spread_position, fit.k_n, k_n_spread, factors)
         history = replace(history, last=last_state(cycle, history))
@@ -422,6 +428,9 @@ class _Edges:
         position = evaluated.position
 
         def growth(start: int, end: int) -> Growth | None:
+            # Between unlike bodies shear moves K_I and pressure K_T: what the growth leaves out.
+            if contact.dundurs:
+                return None
             return zone_growth(evaluated, contact.friction, start, end, outer)
 
         border = slip_border_of(contact, front, position, outer, degree, growth)
@@ -434,12 +443,29 @@ class _Edges:
         )
 
 
-def _k_n_spread(solution: Solution, fit: EdgeFit, moved: float, exact: bool) -> Array:
-    """(T,) error bars of K_N: the fits see nothing of what the elements of the bodies do to p."""
-    spread = fit.spread_k_n
-    if solution.degree == 1 and not exact:
-        spread = np.hypot(spread, LINEAR_ELEMENTS * fit.k_n)
-    return with_moved(fit.k_n, spread, moved)
+def _linear_error(front: PlaneFront, arc: Array, position: Array) -> float:
+    """Relative error of K_N by what linear elements of the bodies do to p, which fits cannot see.
+
+    Elements of the bodies grow as those of the surface do behind the contact.
+
+    Args:
+        front: of the edge.
+        arc: (N,) nodes of the surface.
+        position: (T,) of the edge.
+    """
+    known = position[np.isfinite(position)]
+    if not len(known):
+        return LINEAR_ELEMENTS
+    sizes, middles = front.from_front(np.diff(arc)), (arc[1:] + arc[:-1]) / 2
+    distances = np.min(
+        [-front.distances(middles, place) for place in (known.min(), known.max())], axis=0
+    )
+    at_edge = sizes[np.argmin(np.abs(distances))]
+    behind = distances > BEHIND * at_edge
+    if not behind.any():
+        return LINEAR_ELEMENTS
+    growth = float(np.max((sizes[behind] - at_edge) / distances[behind]))
+    return LINEAR_ELEMENTS * float(np.clip((growth / LINEAR_GROWTH) ** 1.5, 0.4, 1.0))
 
 
 def _place(contact: ContactHistory, front: PlaneFront, position: Array) -> tuple[Array, Frame]:
