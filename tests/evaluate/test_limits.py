@@ -19,7 +19,7 @@ OCTAHEDRAL = {**NICKEL, "orientation": {"y": [1, 1, 1], "x": [1, -1, 0]}}
 def test_k_n_of_crystals_holds_what_shear_does_to_the_pressure(
     body: dict[str, object], cross: float
 ) -> None:
-    """Half-spaces with the normal <111> under .4 f P: ±4 % at f = .5, of which fits see half."""
+    """Normal <111>, .7 f P, f = .5: 2.4 % by half-spaces, fits find 5.3: .4 f times .144."""
     result = stationed_sphere()
     assert result.solution is not None
     case = parse_case(cycled_sphere.tables(0.5) | {"bodies": {"upper": body, "lower": body}})
@@ -27,5 +27,5 @@ def test_k_n_of_crystals_holds_what_shear_does_to_the_pressure(
     for before, after in zip(result.contacts[0].stations, found.stations, strict=True):
         (k_n, bar), (same, wider) = before.last_k_n, after.last_k_n
         assert same == k_n
-        added = 0.3 * cross * FRICTION * k_n
+        added = 0.5 * cross * FRICTION * k_n
         assert np.sqrt(wider**2 - bar**2) == pytest.approx(added, rel=0.01, abs=1e-6)
