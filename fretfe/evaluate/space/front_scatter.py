@@ -105,8 +105,8 @@ def with_scatter(
     shared = round(float(np.median(widths)) * count / length)
     for stride in {1, max(min(shared, count // AROUND), 1)}:
         smooth = inner & (turn * stride < SHARPEST)
-        for ratio, numbers in ((of_k_n, k_n), (of_range, ranges)):
-            found = scatter_ratio(*np.where(smooth, numbers, np.nan), closed, stride)
+        for ratio, (values, bars) in ((of_k_n, k_n), (of_range, ranges)):
+            found = scatter_ratio(np.where(smooth, values, np.nan), bars, closed, stride)
             np.maximum(ratio, found, out=ratio)
     return tuple(
         _widened(station, of_k_n[:, number], float(of_range[0, number]))
