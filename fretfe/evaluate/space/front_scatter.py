@@ -38,8 +38,9 @@ def scatter_ratio(values: Array, bars: Array, closed: bool, stride: int = 1) -> 
     The ratio of R. T. Birge (Phys. Rev. 40, 1932), root of chi^2 over its expectation, of the
     differences of order m of neighbours: their weights are binomial coefficients of alternating
     signs, and their variance the sum of the squares times those of the bars. The order is that
-    which shows least along the whole front. At a station the differences count that it takes part
-    in, or all where those show more. Errors that vary as slowly as the numbers do not show.
+    which shows least along the whole front. At a station differences count by its share in their
+    variance, so that one that is off by itself tells, or all alike where those show more. Errors
+    that vary as slowly as the numbers do not show.
 
     Args:
         values: (T, n) at evenly spaced stations; NaN where not known.
@@ -57,17 +58,22 @@ def scatter_ratio(values: Array, bars: Array, closed: bool, stride: int = 1) -> 
         squares = _squares(values[:, members], bars[:, members])
         whole = _means(squares, np.ones((len(starts), 1)))
         takes_part = np.zeros((len(starts), count))
-        np.put_along_axis(takes_part, members, 1.0, axis=1)
+        shares = np.broadcast_to(_weights(order) ** 2, members.shape)
+        np.put_along_axis(takes_part, members, shares, axis=1)
         near = _means(squares, takes_part)
         found = np.where(whole < least, np.fmax(near, whole), found)
         least = np.fmin(least, whole)
     return np.sqrt(np.maximum(np.where(np.isfinite(found), found, 1.0), 1.0))
 
 
+def _weights(order: int) -> Array:
+    """(order + 1,) weights of the members of a difference."""
+    return np.array([(-1) ** k * comb(order, k) for k in range(order + 1)], dtype=float)
+
+
 def _squares(values: Array, bars: Array) -> Array:
     """(T, d) squares of d differences of values (T, d, m) over their variances; NaN if unknown."""
-    order = values.shape[-1] - 1
-    weights = np.array([(-1) ** k * comb(order, k) for k in range(order + 1)], dtype=float)
+    weights = _weights(values.shape[-1] - 1)
     variances = (DEVIATION * bars) ** 2 @ weights**2
     known = np.isfinite(variances) & (variances > 0)
     squares = (values @ weights) ** 2
