@@ -29,6 +29,7 @@ from fretfe.evaluate.evaluate import Tracks, evaluate, unknown_contacts, with_pa
 from fretfe.evaluate.limits import (
     ModelLimit,
     unlike_notes,
+    with_crossed_spreads,
     with_cut_spreads,
     with_limit_warnings,
 )
@@ -246,12 +247,18 @@ class _Run:
             return tuple(model_limits(self._model, recorder, solution, contacts, depths))
 
         limits = guarded("limits of the model", measured, lambda _: ())
-        warned = with_limit_warnings(contacts, limits)
+        unknown = partial(unknown_contacts, solution)
+        crossed = guarded(
+            "error bars by cross compliances",
+            lambda: with_crossed_spreads(contacts, solution.contacts, self._case),
+            unknown,
+        )
+        warned = with_limit_warnings(crossed, limits)
         # Without the error bars of the cuts nothing is known.
         return guarded(
             "error bars by cuts",
             lambda: with_cut_spreads(warned, recorder, solution.cycle),
-            partial(unknown_contacts, solution),
+            unknown,
         ), limits
 
     def _local_problems(

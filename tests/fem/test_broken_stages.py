@@ -24,6 +24,7 @@ STAGES = {
     "fretfe.fem.run.add_integrals": ("edge integrals", False),
     "fretfe.evaluate.evaluate.evaluate_plane": ("contact main", True),
     "fretfe.fem.run.model_limits": ("limits of the model", False),
+    "fretfe.fem.run.with_crossed_spreads": ("error bars by cross compliances", True),
     "fretfe.fem.run.with_cut_spreads": ("error bars by cuts", True),
     "fretfe.fem.run.imbalance": ("balance of forces", False),
     "fretfe.fem.run.unlike_notes": ("notes", False),

@@ -46,6 +46,7 @@ from fretfe.evaluate.growth import Growth, zone_growth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
+from fretfe.evaluate.space.front_scatter import with_scatter
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront, why_no_fronts
 from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.patches import follow_patches
@@ -205,7 +206,8 @@ def evaluate_fronts(
         )
         frames = track.front.frames
         sums = half_space_ratios(solution, contact, track, alone=len(tracks) == 1)
-        stations = front.stations_told(told)
+        widths = [sector.half_width for sector in track.front.sectors]
+        stations = with_scatter(front.stations_told(told), frames.closed, widths, frames.length)
         fronts.append(Front(front.name, stations, frames.closed, frames.length, sums))
     return tuple(fronts)
 
