@@ -73,7 +73,8 @@ def test_stations_have_it_and_their_bar_of_k_n_knows_it(case: Case) -> None:
     fit = replace(track.fit, k_n=k_n, k_n_spread=loose)
     (front,) = evaluate_fronts(solution, contact, (replace(track, fit=fit),))
     station = front.stations[3]
-    assert station.k_n_spread[-1] == pytest.approx(k_n[-1, 3] - station.k_n_moved)
+    # At least that: its neighbours, whose K_N is none of this, widen it further.
+    assert station.k_n_spread[-1] > (1 - 1e-6) * (k_n[-1, 3] - station.k_n_moved)
 
 
 def test_reasons(case: Case) -> None:

@@ -20,7 +20,6 @@ from fretfe.case import Case, normal_modulus
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
-from fretfe.idealise.bodies import cross_compliance
 
 # Not loaded by reports: SciPy comes with it.
 if TYPE_CHECKING:
@@ -208,6 +207,9 @@ def with_crossed_spreads(
 
 def _crossed(contact: Contact, history: ContactHistory, case: Case) -> Contact:
     """A contact with wider bars of K_N where pressure and shear displace across each other."""
+    # Imported where it is needed: reports of plane contacts do without SciPy.
+    from fretfe.idealise.bodies import cross_compliance
+
     bodies = case.bodies[history.body1], case.bodies[history.body2]
     cross = cross_compliance(*bodies, case.model.plane, history.mean_normal)
     relative = CROSSED * cross * history.friction
