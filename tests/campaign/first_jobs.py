@@ -9,9 +9,7 @@ code of fretfe.
 
 from __future__ import annotations
 
-import datetime as dt
 import math
-import os
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,10 +19,6 @@ from hypothesis import strategies as st
 Tables = dict[str, Any]
 Segments = list[dict[str, Any]]
 
-# The long form is asked for; a seed of the week otherwise, or the one given.
-LONG = os.environ.get("FRETFE_CAMPAIGN") == "long"
-YEAR, WEEK, _ = dt.date.today().isocalendar()
-SEED = int(os.environ.get("FRETFE_CAMPAIGN_SEED", 100 * YEAR + WEEK))
 # Half-width of the contact at the highest load, in the unit of length; the bodies are large
 # multiples of it.
 HALF_WIDTH, BODY, RADIUS, POISSON = 1.0, 40.0, 200.0, 0.3

@@ -10,7 +10,8 @@ import pytest
 
 hypothesis = pytest.importorskip("hypothesis")
 
-from campaign.first_jobs import LONG, SEED, Job, pads  # noqa: E402
+from campaign.extent import LONG, SEED  # noqa: E402
+from campaign.first_jobs import Job, pads  # noqa: E402
 from campaign.judge_first_jobs import faults  # noqa: E402
 from hypothesis import Phase, given, note, seed, settings  # noqa: E402
 
