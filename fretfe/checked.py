@@ -73,7 +73,7 @@ class Checked:
     @property
     def cost(self) -> Cost:
         """Estimate of memory and time, of the first mesh if it refines itself."""
-        nodes = sum(len(pair.coupling.weights) for pair in self.pairs)
+        nodes = sum(len(pair.coupling.surface.weights) for pair in self.pairs)
         steps = len(self.history.times) - 1
         plane = self.mesh.dimension == 2
         # Two fronts, or one that is closed.

@@ -85,7 +85,9 @@ def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None)
     loads = [load.channel for load in reduction.definition.loads]
     drivers = find_drivers(reduction.interface, loads)
     if areas is None:
-        place = Place(pair.name, pair.body1, pair.body2, pair.coupling, pair.coupling.facets)
+        place = Place(
+            pair.name, pair.body1, pair.body2, pair.coupling.surface, pair.coupling.averaging
+        )
         steps = step_loads(case, history, reduction.interface, reduction.definition)
         recorder = Recorder(march, [place], steps, loads, case.model.degree)
         solve_history(march, recorder, steps, False, DEFAULTS.progress)
@@ -93,7 +95,8 @@ def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None)
     else:
         solver, free = FullStickSolver(march.operator, drivers), unloaded(reduction.interface)
         found = [
-            solver.increments(area, free.relative[:, 0]) for area in areas(pair.coupling.points)
+            solver.increments(area, free.relative[:, 0])
+            for area in areas(pair.coupling.surface.points)
         ]
     mean = Increments.mean(found)
     requests = tuple(

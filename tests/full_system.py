@@ -67,8 +67,8 @@ def assemble_system(bodies: dict[str, Body], reduction: Reduction) -> FullSystem
     loads = np.vstack([_load_columns(body, reduction.definition) for body in own])
     starts = _starts([e.shape[0] for e in expansions])
     couplings = [pair.coupling for pair in reduction.pairs]
-    weights = np.concatenate([c.weights for c in couplings])
-    gap = np.zeros((len(weights), couplings[0].frames.shape[1]))
+    weights = np.concatenate([c.surface.weights for c in couplings])
+    gap = np.zeros((len(weights), couplings[0].surface.frames.shape[1]))
     gap[:, 0] = np.concatenate([c.gap for c in couplings]) / weights
     constraints, numbers = _constraints(reduction, [e.shape[1] for e in expansions])
     return FullSystem(
@@ -166,7 +166,10 @@ def _moduli(reduction: Reduction) -> Array:
     young = {body.name: body.material.young for body in reduction.definition.bodies}
     return np.concatenate(
         [
-            np.full(len(pair.coupling.weights), 1 / (1 / young[pair.body1] + 1 / young[pair.body2]))
+            np.full(
+                len(pair.coupling.surface.weights),
+                1 / (1 / young[pair.body1] + 1 / young[pair.body2]),
+            )
             for pair in reduction.pairs
         ]
     )

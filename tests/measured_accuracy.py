@@ -43,7 +43,7 @@ def edge_factors(run: b1.Run, state: int) -> list[tuple[float, float]]:
 def pressure_error(run: b1.Run, state: int) -> float:
     """Root mean square error of p over the inner 98 % of the contact, relative to the peak."""
     a = run.reference(state).half_width
-    x = run.contact.arc - run.summary.centre[state]
+    x = run.contact.surface.arc - run.summary.centre[state]
     inside = np.abs(x) < 0.98 * a
     exact = b1.HERTZ.pressure(x[inside], a)
     return b1.rms(run.contact.mean_traction[state, inside, 0] - exact) / float(exact.max())
@@ -141,7 +141,7 @@ def print_wrong_normals() -> None:
     changed, spoilt = with_normals(normals_of_body_1, lambda: dovetail.run_dovetail(0.004))
     fields = [run.contacts[1] for run in (solution, changed)]
     for x, edge, other in zip((-2.0, 2.0), contacts[1].stations, spoilt[1].stations, strict=True):
-        pressures = [np.interp(x, c.arc, c.mean_traction[-1, :, 0]) for c in fields]
+        pressures = [np.interp(x, c.surface.arc, c.mean_traction[-1, :, 0]) for c in fields]
         print(
             f"dovetail, normals of the blade, {edge.front}: pressure at the end of the flat"
             f" {pressures[1] / pressures[0] - 1:.0%}, K_N {other.k_n[-1] / edge.k_n[-1] - 1:.1%},"
@@ -172,7 +172,7 @@ def k_n_error(chosen: punches.Punch, degree: int = 2) -> str:
     contact = punches.press(chosen, degree)[1]
     exact = float(edge_factor_k_n(chosen.profile, 1.0))
     pressure = contact.traction[-1, :, 0]
-    fits = [fitted(contact.arc, pressure, side, solved=True) for side in SIDES]
+    fits = [fitted(contact.surface.arc, pressure, side, solved=True) for side in SIDES]
     fit = max(fits, key=lambda found: abs(found.k_n - exact))
     error, bar = 100 * abs(fit.k_n / exact - 1), 100 * fit.spread_k_n / exact
     return f"{error:.2f} ± {bar:.2g}" + ("" if error < bar else " OUTSIDE")

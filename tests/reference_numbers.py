@@ -75,7 +75,10 @@ def _of_contact(contact: ContactHistory, summary: Contact) -> Iterator[tuple[str
         yield key, getattr(summary, key)
     yield "friction work", np.sum(contact.dissipation, axis=1)
     for component, key in enumerate(("pressure", "shear")):
-        yield f"norm of {key}", np.sqrt(contact.traction[..., component] ** 2 @ contact.weights)
+        yield (
+            f"norm of {key}",
+            np.sqrt(contact.traction[..., component] ** 2 @ contact.surface.weights),
+        )
     yield "status", np.sum(contact.status * np.arange(1, 1 + contact.status.shape[1]), axis=1)
 
 

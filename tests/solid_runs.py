@@ -29,6 +29,7 @@ from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.field_files import FIELDS, FieldWriter
 from fretfe.results.model import Result
 from fretfe.results.writer import write_results
+from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.surface import tangent_frames
 
 FRICTION, RADIUS, PEAK, SHEAR = 0.4, 1.0, 300.0, 0.6
@@ -162,14 +163,16 @@ def contact(shape: Surface, name: str, history: dict[str, Array]) -> ContactHist
     moved = np.diff(history["slip"], axis=0, prepend=0.0)
     return ContactHistory(
         name=name, pair=name, body1="upper", body2="lower",
-        arc=np.zeros(0), points=shape.points, frames=frames, weights=weights,
+        surface=ContactSurface(
+            np.zeros(0), shape.points, frames, weights,
+            shape.facets, free=np.zeros(len(weights), dtype=bool),
+        ),
         friction=np.full(count, FRICTION), traction=traction, mean_traction=traction,
         gap=1e-3 * np.clip(np.linalg.norm(shape.plane, axis=1) - RADIUS, 0, None)
         * np.ones((count, 1)),
         slip=slip, status=history["status"].astype(np.int8),
         dissipation=np.abs(moved * history["shear"]) * weights,
         full_stick=FullStickUnits(np.zeros((0, len(weights), 3, 1)), np.full(count, -1)),
-        facets=shape.facets, free=np.zeros(len(weights), dtype=bool),
     )  # fmt: skip
 
 
@@ -185,10 +188,11 @@ def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> 
         contact(shape, name, histories(np.linalg.norm(shape.plane, axis=1), ratio))
         for name, shape in shapes.items()
     )
-    forces = np.stack([contacts[0].traction[..., 0] @ contacts[0].weights,
-                       contacts[0].traction[..., 1] @ contacts[0].weights], axis=1)  # fmt: skip
+    weights = contacts[0].surface.weights
+    forces = np.stack([contacts[0].traction[..., 0] @ weights,
+                       contacts[0].traction[..., 1] @ weights], axis=1)  # fmt: skip
     amplitudes = np.stack([-1e-5 * forces[:, 0], 1e-5 * forces[:, 1]], axis=1)
-    amplitudes[:, 1] += contacts[0].slip[..., 0] @ contacts[0].weights
+    amplitudes[:, 1] += contacts[0].slip[..., 0] @ weights
     certificates = {name: np.full(count, 1e-12) for name in CERTIFICATE}
     certificates |= {name: np.ones(count) for name in SCALES}
     solution = Solution(

@@ -218,7 +218,7 @@ def test_histories_and_tractions_as_a_dataset(solved: Result) -> None:
     history = solved.contact_history("main")
     assert data["main.traction"].dims == ("time", "main.node", "component")
     np.testing.assert_array_equal(data["main.traction"], history.traction)
-    np.testing.assert_array_equal(data["main.arc"], history.arc)
+    np.testing.assert_array_equal(data["main.arc"], history.surface.arc)
 
 
 def test_a_dataset_without_tractions(pad: Path) -> None:

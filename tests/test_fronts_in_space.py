@@ -95,8 +95,11 @@ def solved(
     # Outward normal of body 2 is y; tangents x and -z.
     frame = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     contact = replace(
-        old, points=points, facets=facets, free=np.zeros(count, dtype=bool), weights=area,
-        frames=np.tile(frame, (count, 1, 1)),
+        old,
+        surface=replace(
+            old.surface, points=points, facets=facets, free=np.zeros(count, dtype=bool),
+            weights=area, frames=np.tile(frame, (count, 1, 1)),
+        ),
         traction=traction, mean_traction=traction, status=status, slip=moved,
         friction=np.full(states, 0.5), gap=np.zeros((states, count)),
         dissipation=np.zeros((states, count)),
@@ -194,7 +197,7 @@ def test_front_of_half_a_sphere_ends_at_a_plane_of_symmetry() -> None:
     solution, contact = solved(points, facets, [hertz(radius, radius, radius) for radius in radii])
     cut, told = points[:, 2] < 1e-9, []
     for continued in (np.where(cut[:, None], [0.0, 0.0, 1.0], np.nan), None):
-        own = replace(contact, continued=continued)
+        own = replace(contact, surface=replace(contact.surface, continued=continued))
         (track,) = follow_fronts(solution, own, STATIONS)
         (front,) = evaluate_fronts(solution, own, (track,))
         assert not front.closed and front.length == pytest.approx(np.pi, rel=0.01)
@@ -314,7 +317,7 @@ def test_patches_are_told_apart_and_followed() -> None:
 def test_shear_of_a_patch_is_its_own() -> None:
     solution, contact = solved(*grid(half=2.6), [sum_of(bump(-1.3, 0.8), bump(1.3, 0.6))])
     traction = np.array(contact.traction)
-    place = contact.points[:, 0]
+    place = contact.surface.points[:, 0]
     # Along x on the left, along z, which is the second tangent backwards, on the right.
     traction[1, :, 1] = np.where(place < 0, 0.3, 0.0) * traction[1, :, 0]
     traction[1, :, 2] = np.where(place > 0, -0.2, 0.0) * traction[1, :, 0]

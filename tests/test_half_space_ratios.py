@@ -71,11 +71,11 @@ def exact_factors(track: FrontTrack, a: float, b: float) -> Array:
 
 def tractions(contact: ContactHistory) -> Array:
     """(N, 3, 3) uniform tractions with these forces, and one that turns about the middle."""
-    inside, w = contact.traction[-1, :, 0] > 0, contact.weights
-    area, arms = w @ inside, contact.points
+    inside, w = contact.traction[-1, :, 0] > 0, contact.surface.weights
+    area, arms = w @ inside, contact.surface.points
     fields = np.zeros((len(w), 3, 3))
     fields[:, 0, 0] = NORMAL / area * inside
-    tangents = contact.frames[:, 1:]
+    tangents = contact.surface.frames[:, 1:]
     fields[:, 1:, 1] = tangents @ SHEAR / area * inside[:, None]
     turned = np.cross([0.0, 1.0, 0.0], arms) * inside[:, None]
     size = w @ (inside * np.sum(turned**2, axis=1))

@@ -70,11 +70,11 @@ def resultants(points: Array, forces: Array) -> Array:
 
 def of_contact(contact: ContactHistory, state: int) -> Array:
     """Force and moment on body 2, from the definitions of p and q."""
-    traction = contact.mean_traction[state] * contact.weights[:, None]
-    vectors = -traction[:, :1] * contact.frames[:, 0]
+    traction = contact.mean_traction[state] * contact.surface.weights[:, None]
+    vectors = -traction[:, :1] * contact.surface.frames[:, 0]
     for axis in range(1, traction.shape[1]):
-        vectors = vectors + traction[:, axis : axis + 1] * contact.frames[:, axis]
-    return resultants(contact.points, vectors)
+        vectors = vectors + traction[:, axis : axis + 1] * contact.surface.frames[:, axis]
+    return resultants(contact.surface.points, vectors)
 
 
 def require_balance(contact: ContactHistory, state: int, points: Array, found: NodalForces) -> None:
@@ -105,7 +105,7 @@ def test_the_pressure_comes_through(tmp_path: Path) -> None:
     found = nodal_forces(contact, 10, contact.body2, surface)
     pressure = -found.forces[:, 1] / (2.0 / 2500)
     expected = np.interp(
-        surface.points[:, 0], contact.points[:, 0], contact.mean_traction[10, :, 0]
+        surface.points[:, 0], contact.surface.points[:, 0], contact.mean_traction[10, :, 0]
     )
     inside = np.abs(surface.points[:, 0]) < 0.5
     np.testing.assert_allclose(pressure[inside], expected[inside], rtol=0.05)

@@ -104,7 +104,7 @@ def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
     stations = (replace(each, k_n=nan, position=nan) for each in contact.stations)
     unknown = replace(contact, fronts=fronts_of(stations))
     intervals = needed_sizes(solution, (unknown,), 0)
-    arc = solution.contacts[0].arc
+    arc = solution.contacts[0].surface.arc
     edge = np.searchsorted(arc, 1.0)
     assert at(intervals, 1.0) == pytest.approx((arc[edge] - arc[edge - 1]) / BLIND, rel=0.5)
     assert at(intervals, -1.0) == pytest.approx(at(intervals, 1.0), rel=1e-6)
@@ -139,7 +139,7 @@ def test_a_mesh_resolves_what_its_elements_are_small_enough_for(
 ) -> None:
     solution, _ = cycled
     history = solution.contacts[0]
-    arc = history.arc
+    arc = history.surface.arc
     size = float(np.diff(arc)[np.searchsorted(arc, 0.5) - 1])
     assert resolves(solution, [Interval(history.name, 0.5, 0.5, size)])
     assert not resolves(solution, [Interval(history.name, 0.5, 0.5, size / 2)])

@@ -17,6 +17,7 @@ from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import slip_zones
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
+from fretfe.surface.contact_surface import ContactSurface
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
 X = np.linspace(-22 * H, 22 * H, 45)
@@ -37,10 +38,12 @@ def history(increments: np.ndarray) -> ContactHistory:
         pair="made up",
         body1="upper",
         body2="lower",
-        arc=X,
-        points=np.stack([X, 0 * X], axis=1),
-        frames=np.zeros((len(X), 2, 2)),
-        weights=np.full(len(X), H),
+        surface=ContactSurface(
+            arc=X,
+            points=np.stack([X, 0 * X], axis=1),
+            frames=np.zeros((len(X), 2, 2)),
+            weights=np.full(len(X), H),
+        ),
         friction=np.array([0.0, 0.0, 0.5, 0.5]),
         traction=traction,
         mean_traction=traction,

@@ -25,7 +25,7 @@ from stored_runs import write_run
 import fretfe
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.contacts import AreaPatch, Contact
-from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
+from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.report.page.tables import contact_table, station_table
 from fretfe.report.texts import number
 from fretfe.results.field_files import FIELDS, SURFACES, FieldReader
@@ -109,11 +109,13 @@ def test_contacts_are_read_as_they_were_written(result: Result, folder: Path) ->
     assert loaded.solution is not None and loaded.solution.dimension == 3
     for name in SHAPES:
         mine, other = loaded.contact_history(name), result.contact_history(name)
-        for field in fields(ContactHistory):
-            read, written = (getattr(each, field.name) for each in (mine, other))
-            if field.name != "full_stick" and written is not None:
-                np.testing.assert_array_equal(read, written, err_msg=field.name)
-    assert loaded.contact_history("quads").facets.shape[1] == 4  # type: ignore[union-attr]
+        for pair in ((mine, other), (mine.surface, other.surface)):
+            for field in fields(pair[0]):
+                read, written = (getattr(each, field.name) for each in pair)
+                if field.name not in ("full_stick", "surface") and written is not None:
+                    np.testing.assert_array_equal(read, written, err_msg=field.name)
+    facets = loaded.contact_history("quads").surface.facets
+    assert facets is not None and facets.shape[1] == 4
 
 
 def test_histories_of_long_runs_are_read_too(result: Result, tmp_path: Path) -> None:
@@ -170,7 +172,7 @@ def test_dataset_has_vectors_and_places(result: Result) -> None:
     history = result.contact_history("main")
     assert "main.arc" not in data
     places = np.stack([data[f"main.{axis}"] for axis in "xyz"], axis=1)
-    np.testing.assert_array_equal(places, history.points)
+    np.testing.assert_array_equal(places, history.surface.points)
     # P from the dataset alone
     total = (data["main.traction"][..., 0] * data["main.weights"]).sum("main.node")
     np.testing.assert_allclose(total, result.contacts[0].normal_force, rtol=1e-12)
@@ -232,7 +234,7 @@ def test_surfaces_have_all_contacts_and_kept_states(result: Result, folder: Path
 def test_vectors_of_surfaces_are_in_the_axes_of_the_case(result: Result, folder: Path) -> None:
     """Shear and slip along the first tangent, which turns with the surface."""
     contact = result.contact_history("main")
-    count, state = len(contact.points), 24
+    count, state = len(contact.surface.points), 24
     with surfaces(folder) as file:
         root = file["VTKHDF"]
         values = {}
@@ -247,7 +249,7 @@ def test_vectors_of_surfaces_are_in_the_axes_of_the_case(result: Result, folder:
     ):
         expected = along[:, None] * tangent
         np.testing.assert_allclose(values[name], expected, atol=1e-6 * np.abs(along).max())
-    work = values["dissipation"][:, 0] @ contact.weights
+    work = values["dissipation"][:, 0] @ contact.surface.weights
     assert work == pytest.approx(result.contacts[0].work[state], rel=1e-6) and work > 0
 
 

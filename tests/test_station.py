@@ -477,7 +477,7 @@ def test_nodes_are_those_of_the_nearest_row_where_elements_are_long(solid: Resul
     nodes = edge_nodes(history, narrow, small, station.last, (0.0, 0.5))
     near = edge_nodes(history, front, station, station.last, (0.0, 0.5))
     assert 0 < len(nodes.nodes) < len(near.nodes)
-    along = np.abs((history.points - station.point) @ station.frame.along)
+    along = np.abs((history.surface.points - station.point) @ station.frame.along)
     assert set(nodes.nodes) < set(near.nodes)
     assert along[nodes.nodes].max() < 0.5 * along[near.nodes].max()
 
@@ -494,7 +494,8 @@ def test_nodes_are_those_of_a_whole_row_that_leaves_the_sector(solid: Result) ->
     points = station.point + (place + deep)[..., None] * station.frame.inward
     points = (points + aside[..., None] * station.frame.along).reshape(-1, 3)
     assert np.count_nonzero(np.abs(aside) <= size) == 1  # of the nearest row
-    sparse = replace(history, points=points, frames=history.frames[: len(points)])
+    frames = history.surface.frames[: len(points)]
+    sparse = replace(history, surface=replace(history.surface, points=points, frames=frames))
     nodes = edge_nodes(sparse, narrow, station, station.last, (0.0, 0.5))
     np.testing.assert_allclose(nodes.s, deep[0], atol=1e-12)
     np.testing.assert_array_equal(nodes.nodes, 3 * deep.shape[1] + np.arange(deep.shape[1]))

@@ -43,13 +43,13 @@ def sliding(beta: float) -> tuple[Solution, ContactHistory]:
     inward = -x / np.maximum(r, 1e-9)
     exponent = sliding_exponent(beta, FRICTION * inward)
     pressure = PEAK * np.maximum(1 - r**2, 0.0) ** exponent
-    tangents = contact.frames[:, 1:, 0]
+    tangents = contact.surface.frames[:, 1:, 0]
     traction = np.column_stack([pressure, FRICTION * pressure[:, None] * tangents])
     count = len(contact.traction)
     everywhere = np.broadcast_to(traction, (count, *traction.shape))
     contact = replace(
         contact,
-        dundurs=beta,
+        surface=replace(contact.surface, dundurs=beta),
         traction=everywhere,
         mean_traction=everywhere,
         status=np.tile(np.where(pressure > 0, SLIP, OPEN).astype(np.int8), (count, 1)),
@@ -88,7 +88,8 @@ def with_integrals(track: FrontTrack, contact: ContactHistory, drivers: int) -> 
     factors[..., 0, 1], factors[..., 1, 1], factors[..., 2, 1] = 0.3 * inward, inward, along
     integrals = StationIntegrals(np.array([0]), np.zeros((1, STATIONS)), np.arange(2.0), factors)
     stick = FullStickUnits(
-        np.zeros((1, len(contact.weights), 3, drivers)), np.zeros(len(contact.traction), dtype=int)
+        np.zeros((1, len(contact.surface.weights), 3, drivers)),
+        np.zeros(len(contact.traction), dtype=int),
     )
     return replace(contact, integrals=integrals, full_stick=stick)
 
@@ -189,10 +190,12 @@ def slice_of(contact: ContactHistory) -> ContactHistory:
     """A straight slice of solids with the tractions of half-planes, means around coarser nodes."""
     count = round(1.3 / ELEMENT)
     x, z = ELEMENT * np.arange(-count, count + 1), ELEMENT * np.arange(LAYERS + 1)
-    fine = np.linspace(contact.arc[0], contact.arc[-1], 20001)
+    fine = np.linspace(contact.surface.arc[0], contact.surface.arc[-1], 20001)
     means = np.array([np.interp(fine, x, hat) for hat in np.eye(len(x))]) * np.gradient(fine)
     states = np.asarray(contact.mean_traction)
-    values = np.array([[np.interp(fine, contact.arc, row) for row in each.T] for each in states])
+    values = np.array(
+        [[np.interp(fine, contact.surface.arc, row) for row in each.T] for each in states]
+    )
     plane = np.einsum("nf,tkf->tnk", means, values) / ELEMENT
     rows = len(z)
     traction = np.repeat(np.pad(plane, ((0, 0), (0, 0), (0, 1))), rows, axis=1)
@@ -203,14 +206,17 @@ def slice_of(contact: ContactHistory) -> ContactHistory:
     frame = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     return replace(
         contact,
-        arc=np.zeros(0),
-        points=points,
-        frames=np.tile(frame, (len(points), 1, 1)),
-        weights=np.tile(ELEMENT * depth, len(x)),
+        surface=replace(
+            contact.surface,
+            arc=np.zeros(0),
+            points=points,
+            frames=np.tile(frame, (len(points), 1, 1)),
+            weights=np.tile(ELEMENT * depth, len(x)),
+            facets=np.stack([first, first + 1, first + rows + 1, first + rows], axis=1),
+            free=np.zeros(len(points), dtype=bool),
+        ),
         traction=traction,
         mean_traction=traction,
-        facets=np.stack([first, first + 1, first + rows + 1, first + rows], axis=1),
-        free=np.zeros(len(points), dtype=bool),
     )
 
 
@@ -223,7 +229,7 @@ def coarse_slice(beta: float) -> tuple[Array, Bools]:
     (contact,) = solution.contacts
     assert solution.cycle is not None
     cycle = np.arange(solution.cycle[0], solution.cycle[1] + 1)
-    force = np.asarray(contact.traction)[..., 1] @ contact.weights
+    force = np.asarray(contact.traction)[..., 1] @ contact.surface.weights
     share, station = reversed_share(force, cycle), 4
     sliding = float(abs(sliding_exponent(beta, STRONG) - 0.5))
     tracks = follow_fronts(solution, slice_of(contact), 2 * station)

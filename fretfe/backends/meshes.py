@@ -369,7 +369,7 @@ class PlanePasses(Passes):
         before = self._done[-1] if self._done else None
         return Pass(
             unknowns=self._unknowns(mesh),
-            smallest_element=min(float(np.diff(c.arc).min()) for c in solution.contacts),
+            smallest_element=min(float(np.diff(c.surface.arc).min()) for c in solution.contacts),
             stations=values,
             resolved=all(math.isfinite(each.k_n) for each in values)
             and resolves(solution, needed_sizes(solution, contacts, 0)),
@@ -398,7 +398,9 @@ def _sources(
         history = contacts[each.contact]
         count = math.ceil((each.high - each.low) / each.size - ROUND_OFF) + 1
         arc = np.linspace(each.low, each.high, count)
-        points = np.stack([np.interp(arc, history.arc, x) for x in history.points.T], axis=1)
+        points = np.stack(
+            [np.interp(arc, history.surface.arc, x) for x in history.surface.points.T], axis=1
+        )
         for places in _on_bodies(case, mesh, history, points):
             kept, sizes = without_round_off(places, np.array([each.size]))
             yield Source(kept, float(sizes[0]))

@@ -63,19 +63,21 @@ class _Side:
         return found & (np.abs(across @ self.normal) < SQUARE)
 
 
-def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) -> Array:
+def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) -> Array | None:
     """Normals of planes behind which both bodies of a contact go on.
 
     Returns:
         (N, d) at nodes on the rim, in the plane at both ends, unit normals of planes of symmetry,
-        zero where the next sector continues the bodies; NaN elsewhere.
+        zero where the next sector continues the bodies; NaN elsewhere. None in the plane if they
+        end at both ends.
     """
-    coupling = pair.coupling
-    found, rows = np.full(coupling.points.shape, np.nan), np.flatnonzero(coupling.free)
-    sizes, size = np.sqrt(coupling.weights), found.shape[1]
-    if size == 2:  # an end node has half of the element next to it
-        rows, sizes = np.array([0, len(found) - 1]), 2 * coupling.weights
-    nodes = coupling.points[rows], coupling.frames[rows, 0, :size], sizes[rows]
+    surface = pair.coupling.surface
+    found = np.full(surface.points.shape, np.nan)
+    if surface.free is None:  # an end node has half of the element next to it
+        rows, sizes = np.array([0, len(found) - 1]), 2 * surface.weights
+    else:
+        rows, sizes = np.flatnonzero(surface.free), np.sqrt(surface.weights)
+    nodes = surface.points[rows], surface.frames[rows, 0, : found.shape[1]], sizes[rows]
     own = (
         list(_sides(case, model, body, mesh.bodies[body.name]))
         for name in (pair.body1, pair.body2)
@@ -84,7 +86,7 @@ def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) 
     )
     for one, other in product(*own):
         found[rows[one.continues(other, *nodes)]] = one.normal
-    return found
+    return None if surface.free is None and np.isnan(found).all() else found
 
 
 def _sides(

@@ -74,7 +74,7 @@ def _print(checked: Checked) -> None:
     for pair in checked.pairs:
         console.print(
             f"contact {pair.name}: {pair.body1} (1) on {pair.body2} (2), "
-            f"{len(pair.coupling.weights)} multiplier nodes",
+            f"{len(pair.coupling.surface.weights)} multiplier nodes",
             highlight=False,
         )
     for name, motion in checked.restrained_modes.items():

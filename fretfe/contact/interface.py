@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from scipy.linalg import blas
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.surface.contact_surface import ContactSurface
 
 # Relative size below which a motion is resisted by nothing but round-off.
 UNRESISTED = 1e-9
@@ -237,55 +238,30 @@ class Averaging(Protocol):
         """Return the mapped values."""
 
 
-class Nodes(Protocol):
-    """The multiplier nodes of a contact; see `ContactHistory` for arrays of the same name."""
-
-    @property
-    def arc(self) -> Array:
-        """(N,) arc length."""
-
-    @property
-    def points(self) -> Array:
-        """(N, d) coordinates."""
-
-    @property
-    def frames(self) -> Array:
-        """(N, d, d) normal and tangents."""
-
-    @property
-    def weights(self) -> Array:
-        """(N,) length of each node."""
-
-    @property
-    def averaging(self) -> Averaging:
-        """(N, N) from nodal values to means around the nodes."""
-
-
 @dataclass(frozen=True)
 class Place:
-    """One contact: its name, its bodies and its nodes; of solids the facets between them.
+    """One contact.
 
-    Of solids also which nodes lie where both bodies end, and the normals of planes behind which
-    they go on, as of `ContactHistory`; Dundurs' beta of bodies that are unlike.
+    Attributes:
+        name: of the contact in the case.
+        body1, body2: names of its bodies.
+        surface: its N nodes.
+        averaging: (N, N) from nodal values to means around the nodes.
     """
 
     name: str
     body1: str
     body2: str
-    nodes: Nodes
-    facets: Indices | None = None
-    free: Bools | None = None
-    continued: Array | None = None
-    dundurs: float = 0.0
+    surface: ContactSurface
+    averaging: Averaging
 
 
 def digest_of(places: Sequence[Place]) -> str:
     """Text that is equal for the same contacts with the same nodes."""
     found = hashlib.sha256()
     for place in places:
-        found.update(
-            repr((place.name, place.body1, place.body2, place.nodes.points.shape)).encode()
-        )
-        for values in (place.nodes.points, place.nodes.weights, place.facets):
+        surface = place.surface
+        found.update(repr((place.name, place.body1, place.body2, surface.points.shape)).encode())
+        for values in (surface.points, surface.weights, surface.facets):
             found.update(b"" if values is None else np.ascontiguousarray(values).tobytes())
     return found.hexdigest()

@@ -416,7 +416,7 @@ def _rim(edges: Indices, closed: Bools) -> int:
 
 def neighbouring_nodes(place: Place) -> Indices:
     """(E, 2) neighbouring nodes of a contact: one after the other, or along the sides of facets."""
-    if place.facets is None:
-        nodes = np.arange(len(place.nodes.weights))
+    if place.surface.facets is None:
+        nodes = np.arange(len(place.surface.weights))
         return np.column_stack([nodes[:-1], nodes[1:]])
-    return edges_once(place.facets)
+    return edges_once(place.surface.facets)

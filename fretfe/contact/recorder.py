@@ -441,17 +441,14 @@ class Recorder:
         interface = self._interface
         nodes = interface.contacts[place.name]
         roots = interface.roots[nodes]
-        relative, averaging = self._part("relative", nodes), place.nodes.averaging
+        relative, averaging = self._part("relative", nodes), place.averaging
         traction = mapped(self._part("traction", nodes), lambda y, _: y / roots[:, None])
         return ContactHistory(
             name=place.name,
             pair=place.name,
             body1=place.body1,
             body2=place.body2,
-            arc=place.nodes.arc,
-            points=place.nodes.points,
-            frames=place.nodes.frames,
-            weights=place.nodes.weights,
+            surface=place.surface,
             friction=friction,
             traction=traction,
             mean_traction=mapped(traction, lambda t, _: np.array([averaging @ each for each in t])),
@@ -463,10 +460,6 @@ class Recorder:
                 fields=self._unit_fields(nodes, roots),
                 area=self._by_state["area_of_state"][: self.count],
             ),
-            facets=place.facets,
-            free=place.free,
-            continued=place.continued,
-            dundurs=place.dundurs,
         )
 
     def _part(self, name: str, nodes: slice) -> StateArray:

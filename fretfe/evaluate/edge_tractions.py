@@ -46,7 +46,7 @@ class EdgeNodes:
 
     def by_rows(self, values: Array) -> Array:
         """(k,) means over the rows of values (m,) of the nodes."""
-        area = self.contact.weights[self.nodes]
+        area = self.contact.surface.weights[self.nodes]
         return np.asarray(np.bincount(self.row, area * values) / np.bincount(self.row, area))
 
 
@@ -147,9 +147,9 @@ def edge_nodes(
         reach: distances from the front that the nodes are between, the first one left out.
     """
     position = float(station.position[state])
-    if contact.facets is None:
+    if contact.surface.facets is None:
         plane = plane_front(station.front)
-        s = plane.inward * (contact.arc - position)
+        s = plane.inward * (contact.surface.arc - position)
         nodes = _from_front(s, reach)
         line = plane.axis(station.k_angle, contact.slip.shape[2])
         lines, rows = np.tile(line, (len(nodes), 1)), np.arange(len(nodes))
@@ -162,7 +162,7 @@ def edge_nodes(
         contact,
         nodes,
         s,
-        contact.frames[nodes, 1:] @ line,
+        contact.surface.frames[nodes, 1:] @ line,
         np.unique(rows, return_inverse=True)[1],
     )
 
@@ -175,11 +175,11 @@ def _around(
     reach: tuple[float, float],
 ) -> tuple[Indices, Array]:
     """(m,) nodes around a station of solids, and their distances from its front."""
-    s, along, across = coordinates(contact.points, _frames(front, station), 0)
+    s, along, across = coordinates(contact.surface.points, _frames(front, station), 0)
     s = np.where(np.abs(across) <= station.depth, s - position, np.nan)
     half = max(front.length / len(front.stations) / 2, station.size)
     # Around a bent front sectors become narrower than an element inward.
-    beside = np.abs((contact.points - station.point) @ station.frame.along) <= station.size
+    beside = np.abs((contact.surface.points - station.point) @ station.frame.along) <= station.size
     beside &= np.abs(along * station.curvature) < np.pi / 2
     nodes = _from_front(np.where((np.abs(along) <= half) | beside, s, np.nan), reach)
     nearest = _from_front(s, reach)

@@ -76,13 +76,13 @@ def unknown_contacts(solution: Solution, fault: Fault) -> tuple[Contact, ...]:
 
 def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
     """A contact whose evaluation failed, with its resultants if these can be told."""
-    solid, lost = contact.facets is not None, np.full(len(contact.traction), np.nan)
+    solid, lost = contact.surface.facets is not None, np.full(len(contact.traction), np.nan)
 
     def resultants() -> dict[str, Array]:
         return solid_resultants(contact) if solid else plane_resultants(contact, lost)
 
     def none(_: Fault) -> dict[str, Array]:
-        force = np.full((len(lost), contact.points.shape[1]), np.nan)
+        force = np.full((len(lost), contact.surface.points.shape[1]), np.nan)
         vectors = ("shear_force", "centre", "moment")
         return {
             **dict.fromkeys(histories(Contact), lost),
@@ -114,7 +114,7 @@ def _evaluate_contact(
     tracks: Tracks | None,
     reference_length: float | None,
 ) -> Contact:
-    solid = contact.facets is not None
+    solid = contact.surface.facets is not None
     changes = cycle_changes(
         solution, contact.mean_traction if solid else contact.traction, contact.friction
     )

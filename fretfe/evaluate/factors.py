@@ -234,7 +234,7 @@ def full_stick_units(
         for first in range(0, len(states), MOST_STATES):
             some = states[first : first + MOST_STATES]
             edges = positions[:, some].T
-            factors[some] = _area_factors(contact.arc, fields, edges, overhang)
+            factors[some] = _area_factors(contact.surface.arc, fields, edges, overhang)
     return factors
 
 
@@ -252,11 +252,14 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fits = full_stick_units(solution, contact, positions, OVERHANG[solution.degree])
     integrals = contact.integrals
     if integrals is None:
-        return UnitFactors([np.full_like(fits, np.nan) if contact.dundurs else fits])
+        return UnitFactors([np.full_like(fits, np.nan) if contact.surface.dundurs else fits])
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     # The fits know nothing of beta: they see K of unlike bodies at a length in proportion to a.
-    beta, own = contact.dundurs, rotated(integrals.factors, contact.dundurs, half_widths)
+    beta, own = (
+        contact.surface.dundurs,
+        rotated(integrals.factors, contact.surface.dundurs, half_widths),
+    )
     missed = own - fitted[:, None]
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2
@@ -297,8 +300,8 @@ def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Arr
     and the integral is that of the increment.
     """
     fields, overhang = contact.full_stick.fields[area], OVERHANG[solution.degree]
-    edges = effective_edges(contact.arc, fields.transpose(1, 2, 0), overhang)
-    return _area_factors(contact.arc, fields, edges[None], overhang)[0]
+    edges = effective_edges(contact.surface.arc, fields.transpose(1, 2, 0), overhang)
+    return _area_factors(contact.surface.arc, fields, edges[None], overhang)[0]
 
 
 @dataclass(frozen=True)
@@ -333,12 +336,12 @@ def edge_movement(
         return unknown
     if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
         return unknown
-    if contact.dundurs:
+    if contact.surface.dundurs:
         return Movement(np.nan, np.nan, _growth_behind(contact, front, half_width, exponent))
-    patches = [main_patch(contact.arc, pressure) for pressure in neighbours.pressure]
-    fit = fit_edge(front.section(contact.arc, neighbours.pressure, patches), solved=True)
+    patches = [main_patch(contact.surface.arc, pressure) for pressure in neighbours.pressure]
+    fit = fit_edge(front.section(contact.surface.arc, neighbours.pressure, patches), solved=True)
     outward = -front.inward * float(fit.position[1] - fit.position[0])
-    if not outward > SMALLEST_MOVE * np.ptp(contact.arc):
+    if not outward > SMALLEST_MOVE * np.ptp(contact.surface.arc):
         return unknown
     # The last way is the one with the largest circle, which the edge stays away from.
     k_i = float(neighbours.k_i[-1, front.number])
@@ -359,7 +362,7 @@ def _growth_behind(
     With dP/da growing at the relative rate g a symmetric
     contact of half-planes has p^2 = K_N^2 s (1 + c s), c = 5/(6a) - 4g/3 (from (A0)).
     """
-    x, pressure = contact.arc, contact.mean_traction[-1, :, 0]
+    x, pressure = contact.surface.arc, contact.mean_traction[-1, :, 0]
     section = plane_sections(x, pressure[None])[front.number]
     s, p = section.s[0, : section.nodes[0]], section.values[0, : section.nodes[0]]
     risen = s[int(np.argmax(p >= RISEN * p.max()))]
@@ -627,7 +630,7 @@ def reference_length(
     for _ in range(LENGTH_ITERATIONS):
         if pressed or not len(states):
             break
-        shear = factors_at(factors, contact.dundurs, length)[:, Factor.K_T :]
+        shear = factors_at(factors, contact.surface.dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
         found = share * reach / (friction * fit.told(length)[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
@@ -644,7 +647,7 @@ def sliding_apart(contact: ContactHistory, direction: Array) -> float:
         direction: (2,) of the slip, as of `main_direction`: its inward part meets the pressure.
     """
     slope = float(contact.friction.max() * direction[0])
-    return float(abs(sliding_exponent(contact.dundurs, slope) - 0.5))
+    return float(abs(sliding_exponent(contact.surface.dundurs, slope) - 0.5))
 
 
 def reversed_share(along: Array, cycle: Indices) -> Array:

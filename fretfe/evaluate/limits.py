@@ -139,7 +139,7 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
         "use smaller loads or more friction, or a code for large sliding",
     )
     modulus = min(
-        normal_modulus(case.bodies[body], case.model.plane, contact.mean_normal)
+        normal_modulus(case.bodies[body], case.model.plane, contact.surface.mean_normal)
         for body in (contact.body1, contact.body2)
     )
     yield ModelLimit(
@@ -163,7 +163,8 @@ def with_cut_spreads(
         return tuple(contacts)
     first, last = cycle
     nodes = {
-        place.name: (place.nodes.points, recorder.nodes_of(place.name)) for place in recorder.places
+        place.name: (place.surface.points, recorder.nodes_of(place.name))
+        for place in recorder.places
     }
     both = cache(recorder.both_ways)
 
@@ -211,7 +212,7 @@ def _crossed(contact: Contact, history: ContactHistory, case: Case) -> Contact:
     from fretfe.idealise.bodies import cross_compliance
 
     bodies = case.bodies[history.body1], case.bodies[history.body2]
-    cross = cross_compliance(*bodies, case.model.plane, history.mean_normal)
+    cross = cross_compliance(*bodies, case.model.plane, history.surface.mean_normal)
     relative = CROSSED * cross * history.friction
     if not relative.any():
         return contact
@@ -259,9 +260,9 @@ def surface_notes(
     for history in histories:
         extent, turn = contact_extent(history), turns.get(history.name, math.nan)
         bodies = (case.bodies[name] for name in (history.body1, history.body2))
-        soft = sum(1 / normal_modulus(each, case.model.plane, history.mean_normal)
+        soft = sum(1 / normal_modulus(each, case.model.plane, history.surface.mean_normal)
                    for each in bodies)  # fmt: skip
-        length = extent.width if history.points.shape[1] == 3 else 1.0
+        length = extent.width if history.surface.points.shape[1] == 3 else 1.0
         gap, pressed = extent.sliding * turn, forces[history.name] * soft / length
         if gap > 0 and pressed > 0:
             yield (
@@ -340,7 +341,7 @@ def contact_extent(contact: ContactHistory) -> ContactExtent:
         sliding = np.where(closed, np.linalg.norm(contact.slip[states], axis=2), 0.0)
         found = (
             sliding.max(),
-            (closed @ contact.weights).max() ** (1 / (contact.points.shape[1] - 1)),
+            (closed @ contact.surface.weights).max() ** (1 / (contact.surface.points.shape[1] - 1)),
             contact.traction[states, :, 0].max(),
         )
         largest = np.maximum(largest, found)

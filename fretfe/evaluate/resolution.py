@@ -133,13 +133,13 @@ def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
     rounded punch. At most the half-width; that of the closed elements while K_N is unknown.
     """
     pressure = history.traction[station.last, :, 0]
-    patch = main_patch(history.arc, pressure)
+    patch = main_patch(history.surface.arc, pressure)
     half_width = float(contact.half_width[station.last])
     if not np.isfinite(station.last_k_n[0]) or not np.isfinite(half_width):
         low, high = max(patch.first - 1, 0), min(patch.last + 1, len(pressure) - 1)
-        return float(history.arc[high] - history.arc[low]) / 2
+        return float(history.surface.arc[high] - history.surface.arc[low]) / 2
     inside = slice(patch.first, patch.last + 1)
-    arc, pressure = history.arc[inside], pressure[inside]
+    arc, pressure = history.surface.arc[inside], pressure[inside]
     near = plane_front(station.front).inward * (contact.centre[station.last] - arc) >= 0
     return float(min((pressure[near].max() / station.last_k_n[0]) ** 2, half_width))
 
@@ -174,8 +174,8 @@ def fine_places(
     if not known and pressed.any():
         count = np.count_nonzero(pressed)
         finer = np.clip(math.sqrt(NODES_WITH_FRONTS / count), MOST_FINER, BLIND)
-        size = float(np.sqrt(np.median(history.weights[pressed])) / finer)
-        yield FinePlaces(history.points[pressed], np.full(count, size))
+        size = float(np.sqrt(np.median(history.surface.weights[pressed])) / finer)
+        yield FinePlaces(history.surface.points[pressed], np.full(count, size))
 
 
 def _along(front: Front, states: Indices, tolerance: float) -> FinePlaces:
@@ -213,7 +213,7 @@ def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
             continue
         cycle = cycle_states(solution.cycle)
         states = cycle if len(cycle) else np.array([len(solution.times) - 1])
-        element = _largest_element(history.arc, *_front_range(history, station, states))
+        element = _largest_element(history.surface.arc, *_front_range(history, station, states))
         half_width = float(contact.half_width[station.last])
         scale = half_width if math.isfinite(half_width) else _rise(history, contact, station)
         if element < SMALLEST_ELEMENT * scale:
@@ -229,7 +229,8 @@ def resolves(solution: Solution, intervals: Sequence[Interval]) -> bool:
     """True if the elements of the surfaces that carry the tractions are as small as needed."""
     contacts = {contact.name: contact for contact in solution.contacts}
     return all(
-        _largest_element(contacts[each.contact].arc, each.low, each.high) <= MISSED * each.size
+        _largest_element(contacts[each.contact].surface.arc, each.low, each.high)
+        <= MISSED * each.size
         for each in intervals
     )
 
@@ -259,7 +260,7 @@ def _station_intervals(
     low, high = _front_range(history, station, states)
     size = values.rise / PER_RISE
     if not np.isfinite(station.last_k_n[0]) or station.uncertain:
-        size = min(size, _largest_element(history.arc, low, high) / BLIND)
+        size = min(size, _largest_element(history.surface.arc, low, high) / BLIND)
     front = plane_front(station.front)
     places, intervals = [(float(station.position[station.last]), size)], []
     for zone in _last_zones(station):
@@ -291,7 +292,7 @@ def _front_range(history: ContactHistory, station: Station, states: Indices) -> 
     positions = station.position[states]
     if np.isfinite(positions).all():
         return float(positions.min()), float(positions.max())
-    arc, front = history.arc, plane_front(station.front)
+    arc, front = history.surface.arc, plane_front(station.front)
     places = []
     for state in states:
         if not np.any(history.traction[state, :, 0] > 0):

@@ -117,8 +117,8 @@ def plane_resultants(contact: ContactHistory, centre: Array) -> dict[str, Array]
         traction = contact.traction[states]
         middle = np.where(np.isfinite(centre[states]), centre[states], 0.0)
         return {
-            "shear_force": traction[..., 1] @ contact.weights,
-            "moment": pressure_moments(contact.arc, traction[..., 0], middle),
+            "shear_force": traction[..., 1] @ contact.surface.weights,
+            "moment": pressure_moments(contact.surface.arc, traction[..., 0], middle),
         }
 
     return {**_resultants(contact, own), "centre": centre}
@@ -126,7 +126,11 @@ def plane_resultants(contact: ContactHistory, centre: Array) -> dict[str, Array]
 
 def solid_resultants(contact: ContactHistory) -> dict[str, Array]:
     """Histories of a contact between solids, by the names of `Contact`."""
-    weights, points, tangents = contact.weights, contact.points, contact.frames[:, 1:]
+    weights, points, tangents = (
+        contact.surface.weights,
+        contact.surface.points,
+        contact.surface.frames[:, 1:],
+    )
 
     def own(states: slice, mean: Array) -> dict[str, Array]:
         pressure, vectors = mean[..., 0] * weights, traction_vectors(contact, mean)
@@ -158,10 +162,12 @@ def _resultants(
         mean, status = contact.mean_traction[states], contact.status[states]
         common = {
             # The weights are those of the solution itself: P balances the loads to round-off.
-            "normal_force": contact.traction[states, :, 0] @ contact.weights,
-            "force": np.einsum("n,tnd->td", contact.weights, traction_vectors(contact, mean)),
-            "contact_area": (status != OPEN) @ contact.weights,
-            "stick_area": (status == STICK) @ contact.weights,
+            "normal_force": contact.traction[states, :, 0] @ contact.surface.weights,
+            "force": np.einsum(
+                "n,tnd->td", contact.surface.weights, traction_vectors(contact, mean)
+            ),
+            "contact_area": (status != OPEN) @ contact.surface.weights,
+            "stick_area": (status == STICK) @ contact.surface.weights,
             "largest_pressure": mean[..., 0].max(axis=1),
             "work": contact.dissipation[states].sum(axis=1),
         }
@@ -173,4 +179,4 @@ def traction_vectors(contact: ContactHistory, traction: Array) -> Array:
     """(n, N, d) tractions of body 1 on body 2, in the axes of the case, in n states."""
     # On body 2 the pressure acts against its outward normal.
     signs = np.where(np.arange(traction.shape[2]) > 0, 1.0, -1.0)
-    return np.einsum("tnc,ncd->tnd", signs * traction, contact.frames)
+    return np.einsum("tnc,ncd->tnd", signs * traction, contact.surface.frames)

@@ -353,7 +353,7 @@ def local_parameters(contact: ContactHistory, states: tuple[int, int]) -> LocalP
         moved = inside * np.linalg.norm(np.diff(contact.slip[steps], axis=0), axis=2)
         path += moved.sum(axis=0)
         pressed += (moved * (traction[1:, :, 0] + traction[:-1, :, 0]) / 2).sum(axis=0)
-        work += np.asarray(contact.dissipation[steps])[1:].sum(axis=0) / contact.weights
+        work += np.asarray(contact.dissipation[steps])[1:].sum(axis=0) / contact.surface.weights
         shear = np.maximum(shear, np.linalg.norm(traction[..., 1:], axis=2).max(axis=0))
     extent = np.zeros(count)
     if last > first:

@@ -104,10 +104,10 @@ def _on_arc(contact: ContactHistory, places: Array) -> tuple[Array, Array]:
     """
     from scipy.spatial import cKDTree
 
-    nearest = cKDTree(contact.points).query(places)[1]
-    tangents = contact.frames[nearest, 1, : places.shape[1]]
-    ahead = np.sum((places - contact.points[nearest]) * tangents, axis=1)
-    return contact.arc[nearest] + ahead, tangents
+    nearest = cKDTree(contact.surface.points).query(places)[1]
+    tangents = contact.surface.frames[nearest, 1, : places.shape[1]]
+    ahead = np.sum((places - contact.surface.points[nearest]) * tangents, axis=1)
+    return contact.surface.arc[nearest] + ahead, tangents
 
 
 @dataclass(frozen=True)
@@ -209,7 +209,7 @@ def edge_stress(
     if not np.isfinite(position):
         return EdgeValue(np.nan, np.nan, "the place of the edge is not known")
     order = slice(None, None, inward)
-    ahead, state = (inward * (contact.arc - position))[order], status[order]
+    ahead, state = (inward * (contact.surface.arc - position))[order], status[order]
     inside = np.flatnonzero((ahead > 0) & (state != OPEN))
     if not len(inside) or state[inside[0]] != SLIP:
         return EdgeValue(np.nan, np.nan, "nothing slips next to the edge")
@@ -250,8 +250,10 @@ def near_edge(
     """
     if not np.isfinite(position):
         return np.nan
-    node = int(np.clip(np.searchsorted(contact.arc, position), 1, len(contact.arc) - 1))
-    size = contact.arc[node] - contact.arc[node - 1]
+    node = int(
+        np.clip(np.searchsorted(contact.surface.arc, position), 1, len(contact.surface.arc) - 1)
+    )
+    size = contact.surface.arc[node] - contact.surface.arc[node - 1]
     beside = position + inward * size * np.array([-1.0, -0.5, 0.5, 1.0])
     return float(np.interp(beside, arc, smooth).mean())
 

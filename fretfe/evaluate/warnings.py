@@ -72,7 +72,7 @@ def plane_warnings(
     for station in stations:
         yield from _uncertain(station, linear=solution.degree == 1)
     for station in stations:
-        ends = np.column_stack([contact.arc[:-1], contact.arc[1:]])
+        ends = np.column_stack([contact.surface.arc[:-1], contact.surface.arc[1:]])
         s = plane_front(station.front).inward * (ends - station.position[station.last])
         beside = _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
         if beside is not None:
@@ -95,7 +95,7 @@ def solid_warnings(
     """
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest, contact.weights, 3)
+        yield _never_touch(smallest, contact.surface.weights, 3)
         return
     # What a contact has without a force, or behind the evaluated cycle, no number is told of.
     last = solution.cycle[1] if solution.cycle else len(contact.status) - 1
@@ -113,10 +113,10 @@ def solid_warnings(
             "no front of the contact is known at the end of the cycle: K_N, K_T, K_S and slip "
             f"zones are unknown, because {found['lack'].text}"
         )
-    assert contact.facets is not None and contact.free is not None
-    at_border = closed & rim_nodes(contact.facets, len(closed)) & ~contact.free
+    assert contact.surface.facets is not None and contact.surface.free is not None
+    at_border = closed & rim_nodes(contact.surface.facets, len(closed)) & ~contact.surface.free
     if at_border.any():
-        place = ", ".join(f"{value:.4g}" for value in contact.points[np.argmax(at_border)])
+        place = ", ".join(f"{value:.4g}" for value in contact.surface.points[np.argmax(at_border)])
         yield (
             f"the contact reaches the border of its surface, first at ({place}), where not both "
             "bodies end: extend the physical group there. If one of the bodies ends there with an "
@@ -127,7 +127,7 @@ def solid_warnings(
         yield unsteady
     yield from _nothing_known(found["fronts"])
     yield from _withheld(solution, found)
-    edges = edges_once(contact.facets)
+    edges = edges_once(contact.surface.facets)
     for front in found["fronts"]:
         told = [_beside_solid_mesh(solution, contact, edges, each) for each in front.judged]
         beside = [each for each in told if each is not None]
@@ -139,7 +139,7 @@ def _beside_solid_mesh(
     solution: Solution, contact: ContactHistory, edges: Indices, station: Station
 ) -> str | None:
     """As `_beside_fine_mesh`, of a station of solids and the edges of elements (E, 2)."""
-    frame, places = station.frame, contact.points[edges] - station.point
+    frame, places = station.frame, contact.surface.points[edges] - station.point
     s, along = places @ frame.inward, places @ frame.along
     across = np.abs(np.diff(s, axis=1)) >= np.abs(np.diff(along, axis=1))
     near = np.abs(along).max(axis=1) < max(station.depth, station.size)
@@ -272,7 +272,7 @@ def _patches(contact: ContactHistory) -> Iterator[str]:
         pressure = contact.traction[states, :, 0]
         borders = np.diff(pressure > 0, axis=1, prepend=False, append=False)
         apart = np.count_nonzero(borders, axis=1) > 2
-        shares += [_main_share(contact.arc, state) for state in pressure[apart]]
+        shares += [_main_share(contact.surface.arc, state) for state in pressure[apart]]
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
@@ -290,8 +290,8 @@ def _main_share(arc: Array, pressure: Array) -> float:
 
 def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:
     """(N,) nodes that are in contact in some state, and the smallest gap of all."""
-    closed, smallest = np.zeros(len(contact.weights), dtype=bool), np.inf
-    for states in blocks(len(contact.status), len(contact.weights)):
+    closed, smallest = np.zeros(len(contact.surface.weights), dtype=bool), np.inf
+    for states in blocks(len(contact.status), len(contact.surface.weights)):
         closed |= np.any(contact.status[states] != OPEN, axis=0)
         smallest = min(smallest, float(contact.gap[states].min()))
     return closed, smallest
@@ -327,7 +327,7 @@ def _surfaces(contact: ContactHistory) -> Iterator[str]:
     """Surfaces that never touch, or end where they are in contact."""
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest, contact.weights, 2)
+        yield _never_touch(smallest, contact.surface.weights, 2)
     for front in PLANE_FRONTS:
         if not front.from_front(closed)[0]:
             continue

@@ -278,7 +278,7 @@ def _local(result: Result) -> ExportTable:
         for found in [result.local_parameters(contact.name)]
         for row in np.column_stack(
             [
-                contact.points if result.solid else contact.arc,
+                contact.surface.points if result.solid else contact.surface.arc,
                 *(getattr(found, name) for name in own),
             ]
         )
@@ -331,23 +331,37 @@ def _edge_stress(result: Result) -> ExportTable:
 def _plane_nodes(contact: ContactHistory, state: int) -> Array:
     """(N, 7 or 9) values of a state, as of `PLANE_TRACTIONS` or `TRACTIONS_WITH_Z`."""
     return np.column_stack(
-        [contact.arc, contact.mean_traction[state], contact.slip[state], *_scalars(contact, state)]
+        [
+            contact.surface.arc,
+            contact.mean_traction[state],
+            contact.slip[state],
+            *_scalars(contact, state),
+        ]
     )
 
 
 def _solid_nodes(contact: ContactHistory, state: int) -> Array:
     """(N, 16) values of a state, as of `SOLID_TRACTIONS`."""
-    traction, frames = contact.mean_traction[state], contact.frames
+    traction, frames = contact.mean_traction[state], contact.surface.frames
     shear, slip = (in_space(contact, each) for each in (traction[:, 1:], contact.slip[state]))
     return np.column_stack(
-        [contact.points, frames[:, 0], traction[:, 0], shear, slip, *_scalars(contact, state)]
+        [
+            contact.surface.points,
+            frames[:, 0],
+            traction[:, 0],
+            shear,
+            slip,
+            *_scalars(contact, state),
+        ]
     )
 
 
 def _scalars(contact: ContactHistory, state: int) -> tuple[Array, Array, Array]:
     """Gap, status and density of the friction work at the nodes."""
     work = contact.dissipation[state]
-    density = np.divide(work, contact.weights, out=np.zeros_like(work), where=contact.weights > 0)
+    density = np.divide(
+        work, contact.surface.weights, out=np.zeros_like(work), where=contact.surface.weights > 0
+    )
     return contact.gap[state], contact.status[state], density
 
 

@@ -90,7 +90,7 @@ def export_forces(
     contact = _contact(result.solution, wanted)
     state = _state(result.solution, wanted.time)
     other = read_surface(mesh, surface)
-    dimension = contact.points.shape[1]
+    dimension = contact.surface.points.shape[1]
     if other.points.shape[1] != dimension:
         kinds = {2: "plane elements", 3: "solid elements"}
         raise MeshError(

@@ -86,22 +86,22 @@ def nodal_forces(
         OutputError: if plane bodies move along z.
         MeshError: if the surface is elsewhere, faces the other way, or cannot carry the moment.
     """
-    if contact.slip.shape[2] > contact.points.shape[1] - 1:
+    if contact.slip.shape[2] > contact.surface.points.shape[1] - 1:
         raise OutputError(
             f"contact {contact.name}: expected forces in the plane, found shear along z, which the "
             "elements of plane meshes do not take"
         )
     points, sign = surface.points * factor, -1.0 if body == contact.body1 else 1.0
     vectors = traction_vectors(contact, contact.mean_traction[[state]])[0]
-    forces = sign * contact.weights[:, None] * vectors
+    forces = sign * contact.surface.weights[:, None] * vectors
     loaded = np.linalg.norm(forces, axis=1) > 0
     if not loaded.any():
         raise MeshError(f"contact {contact.name}: expected forces, found none in this state")
     near = np.unique(_loaded_facets(contact, loaded))
-    extent = float(np.linalg.norm(np.ptp(contact.points[near], axis=0)))
+    extent = float(np.linalg.norm(np.ptp(contact.surface.points[near], axis=0)))
     target = _Target(points, surface, factor)
     places, parts = _spread(contact, forces, loaded, target.size)
-    normals = contact.frames[cKDTree(contact.points).query(places)[1], 0]
+    normals = contact.surface.frames[cKDTree(contact.surface.points).query(places)[1], 0]
     mapped = target.distributed(places, parts, sign * normals)
     if mapped.distance > FARTHEST * extent:
         raise MeshError(
@@ -115,13 +115,13 @@ def nodal_forces(
             f"expected a surface of body '{body}' in contact {contact.name}, found one that faces "
             "the other way: is it that of the other body?"
         )
-    return _balanced(contact.points, forces, points, mapped, extent, target.size)
+    return _balanced(contact.surface.points, forces, points, mapped, extent, target.size)
 
 
 def _loaded_facets(contact: ContactHistory, loaded: Array) -> Indices:
     """(f, k) facets of the contact at nodes with forces; in the plane from node to node."""
-    count = len(contact.points)
-    facets = contact.facets
+    count = len(contact.surface.points)
+    facets = contact.surface.facets
     if facets is None:
         facets = np.stack([np.arange(count - 1), np.arange(1, count)], axis=1)
     return np.asarray(facets[loaded[facets].any(axis=1)])
@@ -139,9 +139,9 @@ def _spread(
         size: of the facets of the other surface.
     """
     facets = _loaded_facets(contact, loaded)
-    nodes = contact.points[facets]
+    nodes = contact.surface.points[facets]
     shape, order = KINDS[nodes.shape[2], facets.shape[1]]
-    own = float(facet_measures(contact.points, facets).max() ** (1 / (nodes.shape[2] - 1)))
+    own = float(facet_measures(contact.surface.points, facets).max() ** (1 / (nodes.shape[2] - 1)))
     most = (MOST_PLACES / len(facets)) ** (1 / (nodes.shape[2] - 1))
     at = _grid(shape, int(np.clip(np.ceil(DENSITY * own / size), FEWEST, min(MOST, most))))
     hats = shape_values(shape, order, at)

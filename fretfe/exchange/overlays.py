@@ -264,7 +264,7 @@ def _curve(result: Result, name: str, state: int, line: Array) -> Curve:
     return Curve(
         time=float(result.loads.times[state]),
         friction=float(history.friction[state]),
-        x=history.arc,
+        x=history.surface.arc,
         pressure=pressure,
         shear=shear,
     )
@@ -301,7 +301,7 @@ class _Field:
 
     def __init__(self, result: Result, contact: ContactHistory, state: int, places: Array) -> None:
         mean = contact.mean_traction[state]
-        shear = np.einsum("nt,ntd->nd", mean[:, 1:], contact.frames[:, 1:])
+        shear = np.einsum("nt,ntd->nd", mean[:, 1:], contact.surface.frames[:, 1:])
         self.values = np.column_stack([mean[:, 0], shear])
         self.time = float(result.loads.times[state])
         self.friction = float(contact.friction[state])
@@ -334,11 +334,11 @@ def _solid_curves(
     one, two = (
         result.contact_history(each.name) for result, each in zip(results, contacts, strict=True)
     )
-    if (one.frames[:, 0] @ (one.weights @ one.frames[:, 0]) <= 0).any():
+    if (one.surface.frames[:, 0] @ (one.surface.weights @ one.surface.frames[:, 0]) <= 0).any():
         raise ModelError("expected a surface within 90° of its mean direction, found more")
     plane = unroll(one)
     first = _Field(results[0], one, states[0], plane.places)
-    second = _Field(results[1], two, states[1], plane.at(one, two.points))
+    second = _Field(results[1], two, states[1], plane.at(one, two.surface.points))
     centre = contacts[0].centre[states[0]]
     # Where nothing presses in the first result there is no centre.
     middle = plane.at(one, centre[None])[0] if np.isfinite(centre).all() else np.zeros(2)
@@ -350,7 +350,7 @@ def _solid_curves(
     x = np.linspace(ends.min() - margin, ends.max() + margin, POINTS)
     places, direction = middle + x[:, None] * line, line @ plane.directions
     curves = first.along(x, places, direction), second.along(x, places, direction)
-    return *curves, *_surface_differences(one.weights, first, second.at(plane.places))
+    return *curves, *_surface_differences(one.surface.weights, first, second.at(plane.places))
 
 
 def _surface_differences(weights: Array, first: _Field, other: Array) -> tuple[float, float]:

@@ -50,7 +50,7 @@ def require_fields(result: Result) -> Path:
 def _pressed(result: Result, name: str) -> Array:
     """(n, d) nodes of a contact that are under pressure in some state."""
     history = result.contact_history(name)
-    return history.points[pressed_nodes([history])]
+    return history.surface.points[pressed_nodes([history])]
 
 
 def place_of(result: Result, around: str) -> tuple[str, tuple[float, ...]]:

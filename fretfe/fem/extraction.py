@@ -160,7 +160,7 @@ class _PlaneDraft(_Draft["_Areas"]):
             edges.append(float(areas.last[front.number]))
             fields.append((difference,))
         tubes = tuple(Tube(float(reach)) for reach in areas.reaches)
-        normals = pair.coupling.frames[:, 0, :2]
+        normals = pair.coupling.surface.frames[:, 0, :2]
         return Probe(
             bodies=(pair.body1, pair.body2),
             tips=tuple(_tips(model, pair, edge, front) for edge in edges),
@@ -197,7 +197,7 @@ class _PlaneDraft(_Draft["_Areas"]):
         normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
         if oscillates(self._common.model.case, contact):
             normal = np.full_like(normal, np.nan)
-        return NearbyLoads(tractions / np.sqrt(contact.weights), normal)
+        return NearbyLoads(tractions / np.sqrt(contact.surface.weights), normal)
 
 
 @dataclass(frozen=True)
@@ -230,7 +230,7 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
     chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
     pressure = contact.traction[[*states[firsts[chosen]], states[-1]], :, 0]
-    sections = plane_sections(contact.arc, pressure)
+    sections = plane_sections(contact.surface.arc, pressure)
     edges = np.stack([fit_edge(section).position for section in sections], axis=1)
     if not np.isfinite(edges).all():
         return None
@@ -242,7 +242,7 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
 def _room(contact: ContactHistory, edges: Array, states: Sequence[int]) -> float:
     """Smallest distance of edges (S, stations) of S states from the half-way to another patch."""
     distances = [
-        np.abs(contact.arc[node] - edge).min()
+        np.abs(contact.surface.arc[node] - edge).min()
         for edge, state in zip(edges, states, strict=True)
         for node in _borders(contact, state)
     ]
@@ -253,7 +253,7 @@ def _borders(contact: ContactHistory, state: int) -> list[int]:
     """Ends of a patch's part of the surface, behind which there is another patch."""
     if contact.node_range is None:
         return []
-    ends = (0, len(contact.arc) - 1)
+    ends = (0, len(contact.surface.arc) - 1)
     pairs = zip(contact.node_range[state], ends, strict=True)
     return [int(node) for node, end in pairs if node != end]
 
@@ -264,8 +264,8 @@ def _reaches(contact: ContactHistory, edges: Array, room: float) -> Array:
     None (R = 0) where there is no room for some elements between this patch and another one.
     """
     half_width = (edges[1] - edges[0]) / 2
-    sizes = np.diff(contact.arc)
-    element = max(sizes[np.searchsorted(contact.arc[1:-1], edge)] for edge in edges)
+    sizes = np.diff(contact.surface.arc)
+    element = max(sizes[np.searchsorted(contact.surface.arc[1:-1], edge)] for edge in edges)
     smallest = max(REACHES[0] * half_width, FEWEST_ELEMENTS * element)
     largest = min(REACHES[-1] / REACHES[0] * smallest, LARGEST * half_width, room)
     if largest == room < FEWEST_ELEMENTS * element:
@@ -275,7 +275,7 @@ def _reaches(contact: ContactHistory, edges: Array, room: float) -> Array:
 
 def _tips(model: Model, pair: Pair, edge: float, front: PlaneFront) -> tuple[Tip, Tip]:
     """A station on the surfaces of body 1 and body 2, each with its own tangent."""
-    point = _at(pair, edge, pair.coupling.points)
+    point = _at(pair, edge, pair.coupling.surface.points)
     contact = model.case.contacts[pair.name]
     tips = []
     for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0)):
@@ -293,7 +293,7 @@ def _frame(across: Array, front: PlaneFront, components: int) -> Array:
 
 def _at(pair: Pair, edge: float, values: Array) -> Array:
     """(d,) values (N, d) of the multiplier nodes at a place along the arc."""
-    return np.array([np.interp(edge, pair.coupling.arc, column) for column in values.T])
+    return np.array([np.interp(edge, pair.coupling.surface.arc, column) for column in values.T])
 
 
 class _SolidDraft(_Draft["_Plan"]):
@@ -320,7 +320,9 @@ class _SolidDraft(_Draft["_Plan"]):
                 nodes = recorder.nodes_of(contact.pair)
                 tracks = self._tracks.get(contact.name, ())
                 places = [track.fit.place[state] for track in tracks]
-                areas[:, nodes] = nested_areas(contact.points, closed[nodes], tracks, places)
+                areas[:, nodes] = nested_areas(
+                    contact.surface.points, closed[nodes], tracks, places
+                )
             self._fields_of[state] = self.fields.of_areas(state, list(areas))
         return self._fields_of[state]
 
@@ -390,7 +392,7 @@ class _SolidDraft(_Draft["_Plan"]):
         """(N,) means around the nodes of a contact."""
         nodes = self._common.recorder.nodes_of(contact.pair)
         averaging = self._common.pairs[contact.pair].coupling.averaging
-        return np.asarray(averaging @ (state.traction[nodes, 0] / np.sqrt(contact.weights)))
+        return np.asarray(averaging @ (state.traction[nodes, 0] / np.sqrt(contact.surface.weights)))
 
 
 @dataclass(frozen=True)

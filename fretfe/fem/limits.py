@@ -168,11 +168,11 @@ def _at_other_temperatures(
         used, start = case.bodies[body].temperature, case.bodies[body].reference_temperature
         if curve is None or not heated or used is None or start is None:
             continue
-        low, high = np.full((2, len(history.points)), start)
+        low, high = np.full((2, len(history.surface.points)), start)
         for name in dict.fromkeys(each.channel for each in heated):
             parts = loads.values[states, loads.channels.index(name)]
             change = sum(
-                np.outer(each.amplitudes(parts), _change(each, body, history.points, start))
+                np.outer(each.amplitudes(parts), _change(each, body, history.surface.points, start))
                 for each in heated
                 if each.channel == name
             )
@@ -232,14 +232,14 @@ def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
     yield ModelLimit(
         history.name,
         "Dundurs' beta of the bodies, with friction",
-        abs(dissimilarity(*bodies, case.model.plane, history.mean_normal)),
+        abs(dissimilarity(*bodies, case.model.plane, history.surface.mean_normal)),
         LARGEST_BETA if known else SIMILAR,
         "the slip-zone formulas were not measured so far; rely on tractions and slip zones"
         if known
         else "the tractions of full stick oscillate next to an edge, which K_T, K_I and what "
         "follows from them neglect; rely on tractions and slip zones",
     )
-    cross = cross_compliance(*bodies, case.model.plane, history.mean_normal)
+    cross = cross_compliance(*bodies, case.model.plane, history.surface.mean_normal)
     if cross > 0:
         yield ModelLimit(
             history.name,
@@ -319,7 +319,9 @@ def _pairing(
     """
     turned = motion.normal_turn * summary.normal_force[:, None]
     if summary.solid:
-        normal = history.weights @ history.frames[:, 0] / history.weights.sum()
+        normal = (
+            history.surface.weights @ history.surface.frames[:, 0] / history.surface.weights.sum()
+        )
         wrong, largest = _swing(np.cross(turned, normal)[cycle]), _swing(summary.shear_force[cycle])
         known = largest > SMALLEST_SHEAR * np.abs(summary.normal_force).max()
     else:
@@ -356,25 +358,27 @@ def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float)
 
 def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorder) -> Motion:
     contact = model.case.contacts[pair.name]
-    touched = np.zeros(len(history.weights), dtype=bool)
-    rotations = 1 if history.facets is None else 3
+    touched = np.zeros(len(history.surface.weights), dtype=bool)
+    rotations = 1 if history.surface.facets is None else 3
     turn, slope, stretch = np.zeros((2, len(history.status), rotations)), 0.0, 0.0
-    derive = _along_arc(history) if history.facets is None else _along_surface(history)
+    derive = _along_arc(history) if history.surface.facets is None else _along_surface(history)
     for block in recorder.blocks():
         closed = history.status[block.states] != OPEN
         touched |= closed.any(axis=0)
-        weights = closed * history.weights
+        weights = closed * history.surface.weights
         total = np.maximum(weights.sum(axis=1), np.finfo(float).tiny)
         for number, body in enumerate((pair.body1, pair.body2)):
             moved = _displacement(model.reduction, pair, body, block)
             slopes = derive(moved if body == pair.body1 else -moved)
-            rotation, tilt, strain = _deformation(slopes, history.frames)
+            rotation, tilt, strain = _deformation(slopes, history.surface.frames)
             turn[number, block.states] = np.einsum("tnm,tn->tm", rotation, weights) / total[:, None]
             slope = max(slope, float((tilt * closed).max()))
             mean_square = (strain**2 * weights).sum(axis=1) / total
             stretch = max(stretch, float(np.sqrt(mean_square).max()))
     surfaces = [model.surfaces[name] for name in (contact.surface1, contact.surface2)]
-    curvature = np.array([_curvatures_near(surface, history.points) for surface in surfaces])
+    curvature = np.array(
+        [_curvatures_near(surface, history.surface.points) for surface in surfaces]
+    )
     return Motion(
         turn=turn,
         slope=slope,
@@ -385,21 +389,23 @@ def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorde
 
 
 def _along_arc(history: ContactHistory) -> Derive:
-    return lambda moved: np.gradient(moved, history.arc, axis=1)[:, None]
+    return lambda moved: np.gradient(moved, history.surface.arc, axis=1)[:, None]
 
 
 def _along_surface(history: ContactHistory) -> Derive:
     """Mean derivatives of the facets around each node, along the tangents of the surface there."""
-    assert history.facets is not None
-    facets, corners = history.facets, history.facets.shape[1]
-    tangents = history.frames[facets][:, :, 1:].mean(axis=1)
-    places = history.points[facets] - history.points[facets].mean(axis=1, keepdims=True)
+    assert history.surface.facets is not None
+    facets, corners = history.surface.facets, history.surface.facets.shape[1]
+    tangents = history.surface.frames[facets][:, :, 1:].mean(axis=1)
+    places = history.surface.points[facets] - history.surface.points[facets].mean(
+        axis=1, keepdims=True
+    )
     # The plane through the corners, by least squares: exact for triangles.
     shares = np.linalg.pinv(np.einsum("fkd,fad->fka", places, tangents))
-    around = np.bincount(facets.ravel(), minlength=len(history.points))
+    around = np.bincount(facets.ravel(), minlength=len(history.surface.points))
     rows = np.repeat(facets, corners, axis=1).ravel()
     columns = np.tile(facets, (1, corners)).ravel()
-    size = (len(history.points),) * 2
+    size = (len(history.surface.points),) * 2
     derivatives = []
     for share in shares.swapaxes(0, 1):
         values = np.tile(share, (1, corners)).ravel() / around[rows]
@@ -451,7 +457,7 @@ def _displacement(reduction: Reduction, pair: Pair, body: str, block: StateBlock
     # Along the tangents w is that of body 2 relative to body 1.
     signs = np.where(np.arange(relative.shape[2]) > 0, -1.0, 1.0)
     parts = relative / interface.roots[nodes, None] * signs
-    return np.einsum("tnc,ncd->tnd", parts, pair.coupling.frames)
+    return np.einsum("tnc,ncd->tnd", parts, pair.coupling.surface.frames)
 
 
 def _curvatures_near(surface: Surface, points: Array) -> Array:
@@ -525,7 +531,7 @@ def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:
     None of them if all nodes of both surfaces are paired.
     """
     coupling = pair.coupling
-    components = coupling.frames.shape[1]
+    components = coupling.surface.frames.shape[1]
     if not any(_unpaired(each, components).any() for each in (coupling.body1, coupling.body2)):
         return np.array([], dtype=np.int64)
     nodes = model.reduction.interface.contacts[pair.name]
@@ -543,7 +549,7 @@ def unpaired_penetration(model: Model, pair: Pair, moved: Sequence[dict[str, Arr
     coupling, contact = pair.coupling, model.case.contacts[pair.name]
     degree = model.case.model.degree
     first, second = (model.surfaces[name] for name in (contact.surface1, contact.surface2))
-    components, size = coupling.frames.shape[1], first.dimension
+    components, size = coupling.surface.frames.shape[1], first.dimension
     alone1, alone2 = (_unpaired(each, components) for each in (coupling.body1, coupling.body2))
     deepest = 0.0
     for state in moved:

@@ -253,7 +253,7 @@ def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
     Raises:
         ModelError: if the model cannot fit into memory even then.
     """
-    nodes = sum(len(pair.coupling.weights) for pair in pairs)
+    nodes = sum(len(pair.coupling.surface.weights) for pair in pairs)
     size = case.components(mesh.dimension)
     cost = estimate_cost(mesh, case.model.degree, nodes, steps=0, components=size)
     refuse_too_large(cost)

@@ -94,8 +94,8 @@ def build_interface(
     Returns:
         The interface problem, whose coordinates include the rigid modes, and the reduced bodies.
     """
-    d = pairs[0].coupling.frames.shape[1]
-    roots = np.sqrt(np.concatenate([pair.coupling.weights for pair in pairs]))
+    d = pairs[0].coupling.surface.frames.shape[1]
+    roots = np.sqrt(np.concatenate([pair.coupling.surface.weights for pair in pairs]))
     reduced = {b.name: ReducedBody(b, _rows(b.name, pairs)) for b in bodies}
     everything = _with_rigid_modes(bodies, coordinates)
     size, count = len(roots) * d, len(everything)
@@ -163,7 +163,7 @@ def weighted_operator(body: str, pairs: Sequence[Pair]) -> sparse.csr_matrix:
         if body in (pair.body1, pair.body2):
             coupling = pair.coupling
             operator = coupling.body1 if pair.body1 == body else coupling.body2
-            roots = np.repeat(np.sqrt(coupling.weights), coupling.frames.shape[1])
+            roots = np.repeat(np.sqrt(coupling.surface.weights), coupling.surface.frames.shape[1])
             parts.append(sparse.diags(1 / roots) @ operator)
     return sparse.block_diag(parts).tocsr()
 
@@ -197,7 +197,7 @@ def _with_rigid_modes(
 
 
 def _node_ranges(pairs: list[Pair]) -> dict[str, slice]:
-    ends = np.cumsum([len(pair.coupling.weights) for pair in pairs])
+    ends = np.cumsum([len(pair.coupling.surface.weights) for pair in pairs])
     starts = np.concatenate([[0], ends[:-1]])
     return {
         pair.name: slice(int(start), int(end))

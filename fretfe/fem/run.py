@@ -468,12 +468,12 @@ def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> boo
 
 def _place(prepared: Prepared, pair: Pair) -> Place:
     model, coupling, names = prepared.model, pair.coupling, (pair.name, pair.body1, pair.body2)
-    beta = coupled_beta(model.case, *names)
-    continued = continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair)
-    if model.dimension == 2:
-        known = continued if np.isfinite(continued).any() else None
-        return Place(*names, coupling, continued=known, dundurs=beta)
-    return Place(*names, coupling, coupling.facets, coupling.free, continued, dundurs=beta)
+    surface = replace(
+        coupling.surface,
+        continued=continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair),
+        dundurs=coupled_beta(model.case, *names),
+    )
+    return Place(*names, surface, coupling.averaging)
 
 
 def _require_contact(recorder: Recorder, dimension: int) -> None:
@@ -481,7 +481,7 @@ def _require_contact(recorder: Recorder, dimension: int) -> None:
     if recorder.contact_carries:
         return
     adrift = recorder.bodies_restrained_by_contact
-    weights = np.concatenate([each.nodes.weights for each in recorder.places])
+    weights = np.concatenate([each.surface.weights for each in recorder.places])
     reason = (
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"

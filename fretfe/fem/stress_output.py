@@ -197,7 +197,7 @@ class _Writer:
         traction: Array = np.sum([each.mean_traction[state] for each in site.patches], axis=0)
         status = np.max([each.status[state] for each in site.patches], axis=0)
         size, below = self._components, self._depths > 0
-        stress = np.full((2, len(self._depths), len(first.arc), size), np.nan)
+        stress = np.full((2, len(self._depths), len(first.surface.arc), size), np.nan)
         smooth = []
         for number, (surface, strain) in enumerate(zip(site.surfaces, site.strains, strict=True)):
             law = site.laws[number]
@@ -206,10 +206,12 @@ class _Writer:
             tractions, frames = _at(first, strain.arc, traction)
             own = tension(law.stress(found, tractions, frames), frames[:, 1])
             smooth.append(own + tractions[:, 0])
-            stress[number, below] = inner[site.contact, number].reshape(-1, len(first.arc), size)
+            stress[number, below] = inner[site.contact, number].reshape(
+                -1, len(first.surface.arc), size
+            )
             if not below.all():
-                at_nodes = _interpolated(first.arc, strain.arc, found)
-                at_surface = law.stress(at_nodes, traction, first.frames)
+                at_nodes = _interpolated(first.surface.arc, strain.arc, found)
+                at_surface = law.stress(at_nodes, traction, first.surface.frames)
                 stress[number, ~below] = at_surface[:, :size]
         slip = np.asarray(first.slip[state])
         edges = [self._edge(site, state, smooth, *edge) for edge in site.edges]
@@ -257,7 +259,7 @@ def _site(
     pair = patches[0]
     contact = model.case.contacts[pair.pair]
     surfaces = model.surfaces[contact.surface1], model.surfaces[contact.surface2]
-    seen = [_below(surface, pair.points, depths) for surface in surfaces]
+    seen = [_below(surface, pair.surface.points, depths) for surface in surfaces]
     own = tuple(summaries[each.name] for each in patches)
     bodies = pair.body1, pair.body2
     edges = [
@@ -271,7 +273,9 @@ def _site(
     strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
     laws = [SurfaceLaw.of(model.case.bodies[name], model.case.model.plane) for name in bodies]
     initial = [_initial_strains(model, *each) for each in zip(bodies, strains, strict=True)]
-    place = StressSite(pair.pair, pair.arc, pair.frames, bodies, points, normals, edges)
+    place = StressSite(
+        pair.pair, pair.surface.arc, pair.surface.frames, bodies, points, normals, edges
+    )
     return _Site(
         patches,
         own,
@@ -287,8 +291,8 @@ def _site(
 def _at(contact: ContactHistory, arc: Array, traction: Array) -> tuple[Array, Array]:
     """(g, c) p, q, q_z, and (g, c, c) normal, tangent, z, at places (g,) along the arc."""
     size = traction.shape[1]
-    values = np.concatenate([traction, contact.frames.reshape(-1, size**2)], axis=1)
-    found = np.stack([np.interp(arc, contact.arc, each) for each in values.T], axis=1)
+    values = np.concatenate([traction, contact.surface.frames.reshape(-1, size**2)], axis=1)
+    found = np.stack([np.interp(arc, contact.surface.arc, each) for each in values.T], axis=1)
     frames = found[:, size:].reshape(-1, size, size)
     return found[:, :size], frames / np.linalg.norm(frames, axis=2, keepdims=True)
 

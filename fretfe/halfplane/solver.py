@@ -30,6 +30,7 @@ from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.bodies import SIMILAR
 from fretfe.idealise.problem import contact_edges, governing_length
 from fretfe.local.hat_functions import EdgeRange, HatFunctions, graded_grid
+from fretfe.surface.contact_surface import ContactSurface
 
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
@@ -41,17 +42,6 @@ SPRING = 1e-9
 MOMENT = "moment"
 COORDINATES = ("shear", "normal", MOMENT)
 TENSION = "tension"
-
-
-@dataclass(frozen=True)
-class SurfaceNodes:
-    """The nodes of the solution; see `fretfe.contact.recorder.Nodes`."""
-
-    arc: Array
-    points: Array
-    frames: Array
-    weights: Array
-    averaging: Array
 
 
 @dataclass(frozen=True)
@@ -71,7 +61,7 @@ class HalfPlaneOutcome:
         """
         if contact.node_range is not None:
             units = full_stick_units(solution, contact, positions, GALERKIN_OVERHANG)
-            if contact.dundurs:  # the fits know nothing of it
+            if contact.surface.dundurs:  # the fits know nothing of it
                 units = np.full_like(units, np.nan)
             return UnitFactors([units])
         beta, guided = self.problem.dundurs, self.problem.guided
@@ -177,9 +167,8 @@ def solve_half_planes(
     interface = build_interface(problem, hats)
     steps = _step_loads(problem, interface)
     march = March(interface)
-    place = Place(
-        problem.contact, problem.body1, problem.body2, _nodes(hats), dundurs=problem.dundurs
-    )
+    surface = _surface(problem, hats)
+    place = Place(problem.contact, problem.body1, problem.body2, surface, hats.averaging())
     recorder = Recorder(march, [place], steps, [TENSION], degree=1, storage=storage)
     failure = None
     try:
@@ -219,15 +208,15 @@ def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:
     )
 
 
-def _nodes(hats: HatFunctions) -> SurfaceNodes:
+def _surface(problem: HalfPlaneProblem, hats: HatFunctions) -> ContactSurface:
     x = hats.nodes
     frame = np.array([[0.0, 1.0], [1.0, 0.0]])
-    return SurfaceNodes(
+    return ContactSurface(
         arc=x,
         points=np.column_stack([x, np.zeros_like(x)]),
         frames=np.broadcast_to(frame, (len(x), 2, 2)),
         weights=hats.weights,
-        averaging=hats.averaging(),
+        dundurs=problem.dundurs,
     )
 
 

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from fretfe._typing import Array, Bools, Indices
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.loads import CycleChoice, History
+from fretfe.surface.contact_surface import ContactSurface
 
 OPEN, STICK, SLIP = 0, 1, 2
 # Forces below this fraction of the largest one in the history are not compared with themselves:
@@ -125,11 +126,7 @@ class ContactHistory:
         name: that of the pair; with a number in brackets for one of several patches.
         pair: name of the surface pair, the contact in the case.
         body1, body2: names of the bodies.
-        arc: (N,) arc length along the surface that carries the tractions, increasing in +x; of
-            solids (0,).
-        points: (N, d) coordinates of the nodes before deformation.
-        frames: (N, d, d) rows: outward normal of body 2, tangents.
-        weights: (N,) length, or area, that belongs to each node (integral of its hat function).
+        surface: its nodes.
         friction: (T,) coefficient in the step that ends at each state.
         traction: (T, N, d) pressure, then shear that body 1 exerts on body 2: nodal values of the
             piecewise-linear multiplier field.
@@ -147,24 +144,13 @@ class ContactHistory:
             which reaches half-way to its neighbours; -1 where the patch does not exist. None if the
             pair has one patch only.
         events: where a patch comes from and where it goes, in words; a text for each kind of event.
-        facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
-            body 2; None in the plane.
-        free: (N,) nodes on the rim of the surface at which both bodies end; None in the plane.
-        continued: (N, d) unit normals of planes of symmetry behind which both of them go on, at
-            nodes on that rim, in the plane at both ends; zero where the next sector continues
-            them, NaN elsewhere. None in the plane if they end at both ends.
-        dundurs: Dundurs' beta, body 1 above, of solids in plane strain; zero of similar bodies, and
-            where it has no part in the evaluation: without friction, and of crystals.
     """
 
     name: str
     pair: str
     body1: str
     body2: str
-    arc: Array
-    points: Array
-    frames: Array
-    weights: Array
+    surface: ContactSurface
     friction: Array
     traction: StateArray | Array
     mean_traction: StateArray | Array
@@ -177,16 +163,6 @@ class ContactHistory:
     nearby_loads: NearbyLoads | None = None
     node_range: Indices | None = None
     events: tuple[str, ...] = ()
-    facets: Indices | None = None
-    free: Bools | None = None
-    continued: Array | None = None
-    dundurs: float = 0.0
-
-    @property
-    def mean_normal(self) -> Array:
-        """(d,) mean unit normal of body 2 over the surface, with as many components as points."""
-        mean: Array = self.weights @ self.frames[:, 0, : self.points.shape[1]]
-        return mean / np.linalg.norm(mean)
 
     @property
     def exists(self) -> Bools:
@@ -298,7 +274,7 @@ class Solution:
     @property
     def dimension(self) -> int:
         """Number of coordinates, d."""
-        return self.contacts[0].points.shape[1]
+        return self.contacts[0].surface.points.shape[1]
 
     @property
     def source(self) -> Indices:

@@ -114,9 +114,9 @@ def _carried(result: Result, run: Result, name: str, load: FieldLoad, pair: str)
     times = run.solution.times
     if load.position == "number":
         times = np.arange(len(times), dtype=float)
-    own = one[0].points
+    own = one[0].surface.points
     pressed = pressed_nodes(other)
-    away, nearest = cKDTree(own).query(other[0].points[pressed])
+    away, nearest = cKDTree(own).query(other[0].surface.points[pressed])
     if (away > _reaches(one[0])[nearest]).any():
         return _unknown(name, pair, "the cut runs through the contact of the run")
     middle = (own.min(axis=0) + own.max(axis=0)) / 2
@@ -146,7 +146,7 @@ def _patches(solution: Solution | None, pair: str) -> list[ContactHistory]:
 
 def pressed_nodes(patches: list[ContactHistory]) -> Indices:
     """Nodes of a pair of surfaces that are under pressure in some state."""
-    found = np.zeros(len(patches[0].points), dtype=bool)
+    found = np.zeros(len(patches[0].surface.points), dtype=bool)
     for patch in patches:
         for states in _blocks(patch):
             found |= (patch.traction[states, :, 0] > 0).any(axis=0)
@@ -155,11 +155,11 @@ def pressed_nodes(patches: list[ContactHistory]) -> Indices:
 
 def _reaches(contact: ContactHistory) -> Array:
     """(N,) largest extent of the facets of a surface around each of its nodes."""
-    count = len(contact.points)
-    facets = contact.facets
+    count = len(contact.surface.points)
+    facets = contact.surface.facets
     if facets is None:
         facets = np.column_stack([np.arange(count - 1), np.arange(1, count)])
-    extents = np.linalg.norm(np.ptp(contact.points[facets], axis=1), axis=1)
+    extents = np.linalg.norm(np.ptp(contact.surface.points[facets], axis=1), axis=1)
     found = np.zeros(count)
     for column in facets.T:
         np.maximum.at(found, column, extents)
@@ -174,7 +174,7 @@ def _blocks(patch: ContactHistory) -> Iterator[slice]:
 
 def _resultants(patches: list[ContactHistory], about: Array) -> tuple[Array, Array]:
     """(T, d) force on body 2 and (T, 1 or 3) moment about a point, through a pair of surfaces."""
-    arms, forces, moments = patches[0].points - about, [], []
+    arms, forces, moments = patches[0].surface.points - about, [], []
     for states in _blocks(patches[0]):
         nodes = np.sum([_nodal_forces(patch, states) for patch in patches], axis=0)
         if arms.shape[1] == 2:
@@ -188,9 +188,11 @@ def _resultants(patches: list[ContactHistory], about: Array) -> tuple[Array, Arr
 
 def _nodal_forces(patch: ContactHistory, states: slice) -> Array:
     """(n, N, d) on body 2: against its normal by the pressure, along its tangents by shear."""
-    traction = patch.mean_traction[states] * np.where(np.arange(patch.points.shape[1]) == 0, -1, 1)
-    nodes = np.einsum("snk,nkd->snd", traction, patch.frames)
-    return np.asarray(patch.weights[:, None] * nodes)
+    traction = patch.mean_traction[states] * np.where(
+        np.arange(patch.surface.points.shape[1]) == 0, -1, 1
+    )
+    nodes = np.einsum("snk,nkd->snd", traction, patch.surface.frames)
+    return np.asarray(patch.surface.weights[:, None] * nodes)
 
 
 @dataclass(frozen=True)
@@ -360,7 +362,7 @@ def second_cut(result: Result) -> Case | str:
         return "there are several contacts, and no circle or ball around one of them"
     assert result.solution is not None
     pressed = np.concatenate(
-        [each.points[pressed_nodes([each])] for each in result.solution.contacts]
+        [each.surface.points[pressed_nodes([each])] for each in result.solution.contacts]
     )
     owners = {
         load.boundary: body

@@ -109,7 +109,7 @@ def shear_at(x: float) -> Measure:
         contact = result.solution.contacts[0]
         places = _contact(result).centre[-1] + np.array([-x, x])
         shear = contact.mean_traction[-1, :, 1]
-        return float(np.interp(places, contact.arc, shear).mean())
+        return float(np.interp(places, contact.surface.arc, shear).mean())
 
     return measure
 

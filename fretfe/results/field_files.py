@@ -224,8 +224,12 @@ def write_surfaces(path: Path, solution: Solution, states: Indices) -> None:
 
 
 def _contact_part(contact: ContactHistory) -> Part:
-    assert contact.facets is not None
-    return Part(contact.points, contact.facets, CELL_TYPES[2, contact.facets.shape[1]])
+    assert contact.surface.facets is not None
+    return Part(
+        contact.surface.points,
+        contact.surface.facets,
+        CELL_TYPES[2, contact.surface.facets.shape[1]],
+    )
 
 
 def _values(contact: ContactHistory, states: Indices) -> dict[str, Array]:
@@ -235,7 +239,7 @@ def _values(contact: ContactHistory, states: Indices) -> dict[str, Array]:
         "pressure": traction[..., 0],
         "gap": contact.gap[states],
         "status": contact.status[states],
-        "dissipation": contact.dissipation[states] / contact.weights,
+        "dissipation": contact.dissipation[states] / contact.surface.weights,
     }
     return {
         **{name: np.asarray(values)[..., None] for name, values in scalars.items()},
@@ -246,7 +250,7 @@ def _values(contact: ContactHistory, states: Indices) -> dict[str, Array]:
 
 def in_space(contact: ContactHistory, components: Array) -> Array:
     """(..., N, 3) vectors in the axes of the case, from components (..., N, 2) along tangents."""
-    return np.asarray(np.einsum("...nt,ntd->...nd", components, contact.frames[:, 1:]))
+    return np.asarray(np.einsum("...nt,ntd->...nd", components, contact.surface.frames[:, 1:]))
 
 
 class FieldWriter(GridWriter):

@@ -33,6 +33,7 @@ from fretfe.results.model import Result
 from fretfe.results.run_folder import are_unchanged, require_stored, unfinished
 from fretfe.results.tables import NODAL
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
+from fretfe.surface.contact_surface import ContactSurface
 
 T = TypeVar("T")
 
@@ -347,13 +348,13 @@ def _read_contact(
     path: Path, name: str, group: h5py.Group, states: Indices, count: int, case: Case
 ) -> ContactHistory:
     require_shapes(group, count, len(states))
-    arrays: dict[str, Any] = {}
-    for each in fields(ContactHistory):
-        dataset = group.get(each.name)
-        if not isinstance(dataset, h5py.Dataset):
-            continue
-        nodal = each.name in NODAL
-        arrays[each.name] = _stored(path, dataset, states, count) if nodal else dataset[:]
+    names = [each.name for each in fields(ContactSurface) if each.name in group]
+    surface = ContactSurface(
+        **{each: group[each][:] for each in names}, dundurs=float(group.attrs["dundurs"])
+    )
+    nodal: dict[str, Any] = {each: _stored(path, group[each], states, count) for each in NODAL}
+    # There only of one of several patches.
+    node_range = group["node_range"][:] if "node_range" in group else None
     units, areas = group["bonded/fields"], group["bonded/areas"][:]
     area = group["bonded/area"][:]
     full_stick = FullStickUnits(_stored(path, units, areas, int(area.max(initial=-1)) + 1), area)
@@ -361,7 +362,15 @@ def _read_contact(
     _require_names(group.name, (pair,), case.contacts)
     _require_names(group.name, (body1, body2), case.bodies)
     return ContactHistory(
-        name=name, pair=pair, body1=body1, body2=body2, **arrays, full_stick=full_stick
+        name=name,
+        pair=pair,
+        body1=body1,
+        body2=body2,
+        surface=surface,
+        friction=group["friction"][:],
+        **nodal,
+        full_stick=full_stick,
+        node_range=node_range,
     )
 
 

@@ -525,12 +525,12 @@ def _contact_fields(contact: ContactHistory, kept: Indices | None) -> dict[str, 
     """Fields along a contact, of the states that are kept; components: normal, then tangents."""
     node = f"{contact.name}.node"
     arrays: dict[str, Any] = {}
-    if contact.facets is None:
-        arrays[f"{contact.name}.arc"] = (node, contact.arc)
+    if contact.surface.facets is None:
+        arrays[f"{contact.name}.arc"] = (node, contact.surface.arc)
     else:
-        for axis, values in zip(AXES, contact.points.T, strict=True):
+        for axis, values in zip(AXES, contact.surface.points.T, strict=True):
             arrays[f"{contact.name}.{axis}"] = (node, values)
-        arrays[f"{contact.name}.weights"] = (node, contact.weights)
+        arrays[f"{contact.name}.weights"] = (node, contact.surface.weights)
     for name, last in NODAL.items():
         states = "time" if kept is None else "kept"
         dimensions = (states, node, last) if last else (states, node)

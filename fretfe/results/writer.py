@@ -380,13 +380,15 @@ def _extremes(contacts: tuple[Contact, ...], cycle: tuple[int, int] | None) -> s
 
 def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) -> None:
     """Write a contact: what it has for each state in some of the states."""
-    group.attrs.update({"pair": contact.pair, "body1": contact.body1, "body2": contact.body2})
-    for field in fields(contact):
-        value = getattr(contact, field.name)
-        if field.name in NODAL:
-            _write_rows(group, field.name, value, states)
-        elif isinstance(value, np.ndarray):
-            store(group, field.name, value)
+    names = {"pair": contact.pair, "body1": contact.body1, "body2": contact.body2}
+    group.attrs.update({**names, "dundurs": contact.surface.dundurs})
+    for name in NODAL:
+        _write_rows(group, name, getattr(contact, name), states)
+    for owner in (contact, contact.surface):
+        for field in fields(owner):
+            value = getattr(owner, field.name)
+            if field.name not in NODAL and isinstance(value, np.ndarray):
+                store(group, field.name, value)
     units = contact.full_stick
     numbers = np.unique(units.area[states])
     areas = numbers[numbers >= 0] if len(states) < len(units.area) else np.arange(len(units.fields))

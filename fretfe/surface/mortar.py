@@ -22,6 +22,7 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.errors import ModelError
 from fretfe.mesh.elements import BULGE, MIDDLES, quadrature, seven_points, shape_values
+from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.surface import Chain, Surface, mean_curvature, rim_edges, tangent_frames
 
 # Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
@@ -261,29 +262,18 @@ class Coupling:
     c at row i*components + c.
 
     Attributes:
-        arc: (N,) arc length of the nodes along the multiplier side, along t; empty in space.
-        points: (N, d) coordinates of the nodes.
-        facets: (F, c) numbers of the nodes at the corners of the facets that have one at each:
-            along t in the plane, counter-clockwise seen from outside body 2 in space.
-        frames: (N, components, components) rows: outward normal of body 2, then tangents, mean
-            around the nodes.
-        weights: (N,) integral of each hat function over the overlap.
+        surface: the nodes; weights are integrals over the overlap, frames means around the nodes,
+            facets those that have a node at each corner. Where bodies go on is not known here.
         averaging: (N, N) mean of a traction around each node, ∫ φ_i Σ φ_j λ_j / ∫ φ_i.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
         body1, body2: (N*components, n) operators on the surface displacements of each body.
-        free: (N,) nodes on the rim of the surface at which both bodies end; none in the plane.
     """
 
-    arc: Array
-    points: Array
-    facets: Indices
-    frames: Array
-    weights: Array
+    surface: ContactSurface
     averaging: sparse.csr_matrix
     gap: Array
     body1: sparse.csr_matrix
     body2: sparse.csr_matrix
-    free: Bools
 
 
 def couple(
@@ -359,20 +349,25 @@ def _assemble(
         pieces.operator(sign * directed, rows, side, degree, len(nodes))
         for sign, side in zip((1.0, -1.0), sides, strict=True)
     )
+    free = (
+        _free(carrier.surface, sides[on_first].surface, nodes, mean, np.sqrt(support))
+        if d == 3
+        else None
+    )
     return Coupling(
-        arc=_arc(carrier.surface, on_first)[nodes] if d == 2 else np.empty(0),
-        points=carrier.surface.vertices[nodes],
-        facets=_facets(number[carrier.surface.corners], d, on_first),
-        frames=frames[count:],
-        weights=support,
+        surface=ContactSurface(
+            arc=_arc(carrier.surface, on_first)[nodes] if d == 2 else np.empty(0),
+            points=carrier.surface.vertices[nodes],
+            frames=frames[count:],
+            weights=support,
+            facets=_facets(number[carrier.surface.corners], on_first) if d == 3 else None,
+            free=free,
+        ),
         averaging=sparse.diags(1 / support).tocsr()
         @ pieces.products(tests, hats, rows, len(nodes)),
         gap=_totals(rows, tests * overlap.gap[:, None], len(nodes)),
         body1=body1,
         body2=body2,
-        free=_free(carrier.surface, sides[on_first].surface, nodes, mean, np.sqrt(support))
-        if d == 3
-        else np.zeros(len(nodes), dtype=bool),
     )
 
 
@@ -451,11 +446,9 @@ def _arc(carrier: Surface, on_first: bool) -> Array:
     return arc if on_first else -arc
 
 
-def _facets(corners: Indices, dimension: int, on_first: bool) -> Indices:
+def _facets(corners: Indices, on_first: bool) -> Indices:
     """(F, c) facets whose corners all carry multipliers, in the sense of the contact."""
     facets = corners[np.all(corners >= 0, axis=1)]
-    if dimension == 2:
-        return facets if on_first else facets[::-1, ::-1]
     return facets[:, ::-1] if on_first else facets
 
 

@@ -242,13 +242,18 @@ def _line_loads(one: SolidDraw, found: Result, z: float) -> tuple[float, float]:
     (contact,) = found.solution.contacts
     cycle = found.solution.cycle
     assert cycle is not None
-    rows, of_row = np.unique(np.round(contact.points[:, 2] / one.a, 6), return_inverse=True)
-    spans = np.bincount(of_row, contact.weights) / np.ptp(contact.points[:, 0])
+    rows, of_row = np.unique(np.round(contact.surface.points[:, 2] / one.a, 6), return_inverse=True)
+    spans = np.bincount(of_row, contact.surface.weights) / np.ptp(contact.surface.points[:, 0])
     tractions = contact.mean_traction[cycle[0] : cycle[1] + 1]
-    vectors = np.einsum("tnc,ncd->tnd", tractions[..., 1:], contact.frames[:, 1:])[..., 0]
+    vectors = np.einsum("tnc,ncd->tnd", tractions[..., 1:], contact.surface.frames[:, 1:])[..., 0]
 
     def per_length(traction: Array) -> Array:
-        return np.bincount(of_row, contact.weights * traction) / spans * CYLINDER_LENGTH * one.a
+        return (
+            np.bincount(of_row, contact.surface.weights * traction)
+            / spans
+            * CYLINDER_LENGTH
+            * one.a
+        )
 
     normal = per_length(tractions[-1, :, 0]) / -found.loads.values[-1, 0]
     shears = np.array([per_length(each) for each in vectors])

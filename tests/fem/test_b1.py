@@ -139,14 +139,14 @@ def test_stick_half_width(fine: Run, state: int) -> None:
 def test_nothing_slips_inside_the_stick_zone(b1: Run, state: int) -> None:
     reference = b1.reference(state)
     stick = float(reference.stick_half_width(b1.summary.shear_force[state]))
-    x = b1.contact.arc - b1.summary.centre[state]
+    x = b1.contact.surface.arc - b1.summary.centre[state]
     assert not np.any(b1.contact.status[state, np.abs(x) < 0.97 * stick] == SLIP)
 
 
 @pytest.mark.parametrize("state", EXTREMES)
 def test_pressure(b1: Run, state: int) -> None:
     reference = b1.reference(state)
-    x = b1.contact.arc - b1.summary.centre[state]
+    x = b1.contact.surface.arc - b1.summary.centre[state]
     inside = np.abs(x) < 0.98 * reference.half_width
     exact = HERTZ.pressure(x[inside], reference.half_width)
     error = b1.contact.mean_traction[state, inside, 0] - exact
@@ -157,7 +157,7 @@ def test_pressure(b1: Run, state: int) -> None:
 def shear_error(run: Run, state: int) -> float:
     """Root mean square error of q over the contact, relative to its largest value."""
     reference = run.reference(state)
-    x = run.contact.arc - run.summary.centre[state]
+    x = run.contact.surface.arc - run.summary.centre[state]
     inside = np.abs(x) < reference.half_width
     force = float(run.summary.shear_force[state])
     # at the extremes of a cycle the shear is that of first loading to the same force

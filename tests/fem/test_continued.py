@@ -50,7 +50,8 @@ def ends(data: Data, mesh: Mesh, low: float, high: float) -> tuple[bool, bool]:
     case = parse_case(data)
     model = define_model(case, mesh)
     (pair,) = couple_contacts(case, contact_surfaces(model, mesh), 3)
-    normals, z = continued_nodes(case, model, mesh, pair), pair.coupling.points[:, 2]
+    normals, z = continued_nodes(case, model, mesh, pair), pair.coupling.surface.points[:, 2]
+    assert normals is not None
     found = np.abs(normals[:, 2]) == 1
     assert np.isnan(normals[~found]).all() and not normals[found, :2].any()
     at = [np.abs(z - end) < 1e-9 for end in (low, high)]
@@ -147,11 +148,12 @@ def test_sides_of_sectors(tied: tuple[str, ...]) -> None:
     case = parse_case(data)
     model = define_model(case, mesh)
     (pair,) = couple_contacts(case, contact_surfaces(model, mesh), 3)
-    _, y, z = pair.coupling.points.T
+    _, y, z = pair.coupling.surface.points.T
     angle = np.arctan2(z, y) * COUNT / (2 * np.pi)
     at_side = (np.abs(angle) < 1e-9) | (np.abs(angle - 1) < 1e-9)
     assert at_side.any()
     normals = continued_nodes(case, model, mesh, pair)
+    assert normals is not None
     assert np.isnan(normals[~at_side]).all()
     expected = 0.0 if len(tied) == 2 else np.nan
     np.testing.assert_array_equal(normals[at_side], expected)

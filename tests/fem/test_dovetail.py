@@ -73,8 +73,8 @@ def test_shear_on_the_disc_points_up_on_both_flanks(
     solution = coarse[0]
     # the blade slides up: it drags the disc's flanks along
     for contact in solution.contacts:
-        tangent = contact.frames[:, 1]
-        force = (contact.weights * contact.traction[10, :, 1]) @ tangent
+        tangent = contact.surface.frames[:, 1]
+        force = (contact.surface.weights * contact.traction[10, :, 1]) @ tangent
         assert force[1] > 0
 
 
@@ -89,7 +89,9 @@ def test_first_loading_slides_and_the_cycle_sticks(
         # the slip zones of a whole cycle leave most of the flank stuck
         slipped = (contact.status[solution.cycle[0] + 1 :] != STICK).any(axis=0)
         touching = contact.traction[-1, :, 0] > 0
-        assert np.ptp(contact.arc[touching & ~slipped]) > 0.9 * np.ptp(contact.arc[touching])
+        assert np.ptp(contact.surface.arc[touching & ~slipped]) > 0.9 * np.ptp(
+            contact.surface.arc[touching]
+        )
 
 
 def test_cycle_is_steady(coarse: tuple[Solution, tuple[Contact, ...]]) -> None:
@@ -130,7 +132,7 @@ def test_pull_is_carried_by_the_flanks(
     solution = coarse[0]
     pull = solution.values[-1, 0]
     carried = sum(
-        np.einsum("n,nc,ncd->d", c.weights, c.traction[-1] * [-1, 1], c.frames)
+        np.einsum("n,nc,ncd->d", c.surface.weights, c.traction[-1] * [-1, 1], c.surface.frames)
         for c in solution.contacts
     )
     # nodal frames instead of the exact traction vector: equal to the curvature of the roundings

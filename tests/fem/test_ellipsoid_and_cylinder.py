@@ -81,7 +81,7 @@ class TestEllipse:
     @classmethod
     def fit(cls, squared: Array, contact: ContactHistory, within: float) -> tuple[float, ...]:
         """Value in the middle and half axes of squares that fall with x² and z²."""
-        x, z = contact.points[:, 0], contact.points[:, 2]
+        x, z = contact.surface.points[:, 0], contact.surface.points[:, 2]
         chosen = (x / cls.B) ** 2 + (z / cls.A) ** 2 < within**2
         columns = np.column_stack([np.ones(len(x)), -(x**2), -(z**2)])[chosen]
         middle, along_x, along_z = np.linalg.lstsq(columns, squared[chosen], rcond=None)[0]
@@ -124,7 +124,7 @@ class TestCylinder:
             **size,
         )
         contact = contact_of(solved(data))
-        x, z = contact.points[:, 0], np.round(contact.points[:, 2], 6)
+        x, z = contact.surface.points[:, 0], np.round(contact.surface.points[:, 2], 6)
         pressure = np.asarray(contact.mean_traction[1])[:, 0]
         rows = np.unique(z)
         return rows, np.array([self.row(x[z == each], pressure[z == each]) for each in rows])

@@ -50,7 +50,10 @@ def forces(solution: Solution) -> dict[str, np.ndarray]:
     """Force (T, 2) on body 2 of each contact."""
     return {
         each.name: np.einsum(
-            "n,tnc,ncd->td", each.weights, each.traction * np.array([-1, 1]), each.frames
+            "n,tnc,ncd->td",
+            each.surface.weights,
+            each.traction * np.array([-1, 1]),
+            each.surface.frames,
         )
         for each in solution.contacts
     }

@@ -149,7 +149,7 @@ def contact(result: Result, name: str) -> ContactHistory:
 def vectors(history: ContactHistory) -> Array:
     """(T, N, 2) traction on body 2 in the axes of the case."""
     signed = np.asarray(history.traction) * np.array([-1.0, 1.0])
-    return np.einsum("tnc,ncd->tnd", signed, history.frames)
+    return np.einsum("tnc,ncd->tnd", signed, history.surface.frames)
 
 
 @pytest.fixture(scope="module")
@@ -197,7 +197,7 @@ def test_mirrored(original: Result) -> None:
     found = solved(case(MIRROR), mirrored(mesh()))
     for name in PADS:
         one, other = contact(original, name), contact(found, name)
-        distance, rows = cKDTree(one.points @ MIRROR).query(other.points)
+        distance, rows = cKDTree(one.surface.points @ MIRROR).query(other.surface.points)
         assert distance.max() < 1e-12
         expected = (vectors(one) @ MIRROR)[:, rows]
         assert np.abs(vectors(other) - expected).max() < TOLERANCE * np.abs(expected).max()
@@ -208,7 +208,7 @@ def test_exchanged_bodies(original: Result) -> None:
     found = solved(case(exchanged=True), mesh())
     for name in PADS:
         one, other = contact(original, name), contact(found, name)
-        distance, rows = cKDTree(one.points).query(other.points)
+        distance, rows = cKDTree(one.surface.points).query(other.surface.points)
         assert distance.max() < 1e-12
         change = vectors(other) + vectors(one)[:, rows]
         assert np.abs(change).max() < 0.02 * np.abs(vectors(one)).max()

@@ -105,7 +105,7 @@ def solved(case: Any, mesh: Mesh) -> Result:
 def vectors(contact: ContactHistory) -> Array:
     """(T, N, 3) traction on body 2 in the axes of the case."""
     signed = np.asarray(contact.traction) * np.array([-1.0, 1.0, 1.0])
-    return np.einsum("tnc,ncd->tnd", signed, contact.frames)
+    return np.einsum("tnc,ncd->tnd", signed, contact.surface.frames)
 
 
 @pytest.fixture(scope="module")
@@ -149,7 +149,9 @@ def test_crystals_turned_with_their_bodies() -> None:
     other = solved(crystals(TURN), moved(pad_on_block(), lambda x: x @ TURN.T))
     first, second = contact_of(one), contact_of(other)
     assert set(np.unique(first.status[-1])) == {0, 1, 2}
-    slips = [np.einsum("tnc,ncd->tnd", each.slip, each.frames[:, 1:]) for each in (first, second)]
+    slips = [
+        np.einsum("tnc,ncd->tnd", each.slip, each.surface.frames[:, 1:]) for each in (first, second)
+    ]
     for found, expected in ((vectors(second), vectors(first)), (slips[1], slips[0])):
         assert np.abs(found - expected @ TURN.T).max() < 1e-9 * np.abs(expected).max()
 
@@ -174,7 +176,9 @@ def test_mirrored(original: Result) -> None:
     """The bodies are their own image in z = 0.45; the loads along z are reversed."""
     image = np.diag([1.0, 1.0, -1.0])
     first, second = contact_of(original), contact_of(solved(case(image), pad_on_block()))
-    distance, rows = cKDTree(first.points @ image + [0.0, 0.0, 0.9]).query(second.points)
+    distance, rows = cKDTree(first.surface.points @ image + [0.0, 0.0, 0.9]).query(
+        second.surface.points
+    )
     assert distance.max() < 1e-12
     assert_same(vectors(second), (vectors(first) @ image)[:, rows])
 
@@ -183,8 +187,11 @@ def test_exchanged_bodies_on_the_same_multipliers(original: Result) -> None:
     """The integrals run along the other surface: the same but for the error of the mesh."""
     exchanged = solved(case(surfaces=("block_top", "pad_bottom")), pad_on_block())
     first, second = contact_of(original), contact_of(exchanged)
-    assert len(first.points) == len(second.points)
-    order = np.lexsort(first.points.T.round(9)), np.lexsort(second.points.T.round(9))
+    assert len(first.surface.points) == len(second.surface.points)
+    order = (
+        np.lexsort(first.surface.points.T.round(9)),
+        np.lexsort(second.surface.points.T.round(9)),
+    )
     difference = vectors(first)[:, order[0]] + vectors(second)[:, order[1]]
     assert np.abs(difference).max() < 0.02 * np.abs(vectors(first)).max()
     assert_same(-exchanged.contacts[0].force[-1], original.contacts[0].force[-1], 1e-3)

@@ -78,7 +78,9 @@ def test_weights_add_up_to_the_length_of_the_overlap(
     start, end = chains.OVERLAP
     # Geometry is straight: quadrature is exact, only round-off remains.
     tolerance = 10 * round_off(place)
-    assert operators.weights.sum() == pytest.approx((end - start) * place.scale, rel=tolerance)
+    assert operators.surface.weights.sum() == pytest.approx(
+        (end - start) * place.scale, rel=tolerance
+    )
 
 
 @SIDES
@@ -99,7 +101,7 @@ def test_overlap_on_curved_facets_is_an_arc_length_of_body_2(seed: int, side: st
         for f in range(facet, count)
     )
     # Five Gauss points on a root of a quadratic, facets that turn by about 0.05.
-    assert operators.weights.sum() == pytest.approx(expected, rel=1e-7)
+    assert operators.surface.weights.sum() == pytest.approx(expected, rel=1e-7)
 
 
 @SIDES
@@ -152,7 +154,7 @@ def test_linear_fields_are_transferred_exactly(place: Placement, degree: int, si
     gradient = np.array([[0.3, -1.1], [0.7, 0.4]])
     fields = [(s.displacement_points(degree) - np.array(place.origin)) @ gradient.T for s in pair]
     jump = operators.body1 @ fields[0].ravel() + operators.body2 @ fields[1].ravel()
-    size = place.scale * np.repeat(operators.weights, 2)
+    size = place.scale * np.repeat(operators.surface.weights, 2)
     # Fields of size place.scale: round-off of coordinates.
     np.testing.assert_allclose(jump / size, 0.0, atol=10 * round_off(place))
 
@@ -172,7 +174,7 @@ def test_position_and_rotation_measure_the_gap(
     turned = [np.stack([-x[:, 1], x[:, 0]], axis=1) for x in positions]
     stretch = operators.body1 @ positions[0].ravel() + operators.body2 @ positions[1].ravel()
     rotation = operators.body1 @ turned[0].ravel() + operators.body2 @ turned[1].ravel()
-    scale = operators.weights * place.scale
+    scale = operators.surface.weights * place.scale
     expected = {"normal": operators.gap / scale, "none": np.zeros(len(scale))}
     normal, tangential = components(stretch)
     # Round-off of coordinates; a node at the edge of the overlap has a weight of 1e-3 or more.
@@ -188,7 +190,7 @@ def test_position_and_rotation_measure_the_gap(
 @SIDES
 def test_gap_is_positive_where_bodies_are_apart(side: str) -> None:
     operators = coupling(chains.straight_pair(1, False, INCLINED, gap=0.125), side, 1)
-    np.testing.assert_allclose(operators.gap / operators.weights, 0.125, rtol=1e-12)
+    np.testing.assert_allclose(operators.gap / operators.surface.weights, 0.125, rtol=1e-12)
 
 
 @SIDES
@@ -199,10 +201,10 @@ def test_pressure_pushes_the_bodies_apart_and_shear_drags_body_2_along(
     operators = coupling(chains.straight_pair(2, True, place), side, 2)
     normal, tangent = place.vector((0.0, 1.0)), place.vector((1.0, 0.0))
     pressure, shear = 3.0, 0.5
-    tractions = np.tile([pressure, shear], len(operators.weights))
+    tractions = np.tile([pressure, shear], len(operators.surface.weights))
     force1 = (operators.body1.T @ tractions).reshape(-1, 2).sum(axis=0)
     force2 = (operators.body2.T @ tractions).reshape(-1, 2).sum(axis=0)
-    length = operators.weights.sum()
+    length = operators.surface.weights.sum()
     expected = length * (pressure * normal - shear * tangent)
     tolerance = 10 * round_off(place) * length
     np.testing.assert_allclose(force1, expected, rtol=0, atol=tolerance)
@@ -217,13 +219,15 @@ def test_nodes_run_along_t_with_right_handed_frames(
 ) -> None:
     operators = coupling(chains.straight_pair(4, curved, place), side, 1)
     normal, tangent = place.vector((0.0, 1.0)), place.vector((1.0, 0.0))
-    expected = np.broadcast_to(np.stack([normal, tangent]), operators.frames.shape)
-    np.testing.assert_allclose(operators.frames, expected, rtol=0, atol=10 * round_off(place))
-    steps = np.diff(operators.points, axis=0)
-    assert np.all(np.diff(operators.arc) > 0)
+    expected = np.broadcast_to(np.stack([normal, tangent]), operators.surface.frames.shape)
+    np.testing.assert_allclose(
+        operators.surface.frames, expected, rtol=0, atol=10 * round_off(place)
+    )
+    steps = np.diff(operators.surface.points, axis=0)
+    assert np.all(np.diff(operators.surface.arc) > 0)
     np.testing.assert_allclose(
         steps / place.scale,
-        np.diff(operators.arc)[:, None] * tangent / place.scale,
+        np.diff(operators.surface.arc)[:, None] * tangent / place.scale,
         rtol=0,
         atol=10 * round_off(place),
     )
@@ -234,7 +238,7 @@ def test_finer_side_carries_the_multipliers() -> None:
     assert np.median(second.measures) < np.median(first.measures)
     chosen = coupling((first, second), "finer", 1)
     expected = coupling((first, second), "surface2", 1)
-    np.testing.assert_array_equal(chosen.points, expected.points)
+    np.testing.assert_array_equal(chosen.surface.points, expected.surface.points)
 
 
 def arc_of(radius: float, angles: Array) -> Array:
@@ -269,10 +273,12 @@ def test_normals_of_curved_contacts(
 ) -> None:
     pair = chains.surface("upper", upper, True), chains.surface("lower", lower[::-1], True)
     operators = coupling(pair, side, 2)
-    theta = turn * np.arctan2(operators.points[:, 0], 1 + operators.points[:, 1])
+    theta = turn * np.arctan2(operators.surface.points[:, 0], 1 + operators.surface.points[:, 1])
     expected = np.stack([np.sin(theta), np.cos(theta)], axis=1)
     inner = slice(1, -1)  # at the two ends the mean around a node is to one side of it
-    np.testing.assert_allclose(operators.frames[inner, 0], expected[inner], rtol=0, atol=tolerance)
+    np.testing.assert_allclose(
+        operators.surface.frames[inner, 0], expected[inner], rtol=0, atol=tolerance
+    )
 
 
 def test_arc_length_on_a_curved_surface() -> None:
@@ -282,9 +288,9 @@ def test_arc_length_on_a_curved_surface() -> None:
         chains.surface("lower", ROUND[::-1], True),
     )
     operators = coupling(pair, "surface2", 2)
-    theta = np.arctan2(operators.points[:, 0], 1 + operators.points[:, 1])
+    theta = np.arctan2(operators.surface.points[:, 0], 1 + operators.surface.points[:, 1])
     # Facets of angle 0.0125 and order 2: arc lengths to h^4.
-    np.testing.assert_allclose(operators.arc, theta, rtol=0, atol=1e-8)
+    np.testing.assert_allclose(operators.surface.arc, theta, rtol=0, atol=1e-8)
 
 
 @pytest.mark.parametrize(

@@ -380,9 +380,8 @@ def test_sides_of_a_sector(whole: Result, tmp_path: Path) -> None:
 def test_another_contact_in_the_part(whole: Result, tmp_path: Path) -> None:
     assert whole.solution is not None
     (contact,) = whole.solution.contacts
-    other = replace(
-        contact, name="other", pair="other", points=contact.points + np.array([3.0, 0.0])
-    )
+    moved = replace(contact.surface, points=contact.surface.points + np.array([3.0, 0.0]))
+    other = replace(contact, name="other", pair="other", surface=moved)
     both = replace(whole, solution=replace(whole.solution, contacts=(contact, other)))
     with pytest.raises(
         CaseError, match=r"expected less than 2\.4.*, where contact 'other' presses"

@@ -73,11 +73,13 @@ def whole(patches: list[ContactHistory]) -> ContactHistory:
 
 def compare_contacts(flat: ContactHistory, space: ContactHistory, tolerance: float) -> None:
     """The nodes of the solid are those of the plane, layer by layer."""
-    places = cKDTree(flat.points)
-    distance, rows = places.query(space.points[:, :2])
+    places = cKDTree(flat.surface.points)
+    distance, rows = places.query(space.surface.points[:, :2])
     assert distance.max() < 1e-9
     # The first tangent is that of the plane.
-    np.testing.assert_allclose(space.frames[:, 1, :2], flat.frames[rows, 1], atol=1e-7)
+    np.testing.assert_allclose(
+        space.surface.frames[:, 1, :2], flat.surface.frames[rows, 1], atol=1e-7
+    )
     expected, found = np.asarray(flat.traction)[:, rows], np.asarray(space.traction)
     scale = tolerance * np.abs(expected).max()
     assert scale > 0

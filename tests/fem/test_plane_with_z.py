@@ -253,7 +253,7 @@ def test_crystal_with_z_along_an_axis(solved: Solve, body: dict[str, Any]) -> No
         assert abs(station.slip_zones[-1].length - (a - c)) < 0.05 * CYLINDER["size"]
     history = result.contact_history("main")
     start, most = (int(np.argmin(np.abs(result.loads.times - time))) for time in (1.0, 1.25))
-    x = np.abs(history.arc)
+    x = np.abs(history.surface.arc)
     slips = (x > c) & (x < a)
     found = np.abs(history.slip[most] - history.slip[start])[slips, 1]
     s = x[slips] / c
@@ -448,7 +448,7 @@ def vectors(result: Result) -> Array:
     assert result.solution is not None
     (history,) = result.solution.contacts
     signed = np.asarray(history.traction) * np.array([-1.0, 1.0, 1.0])
-    return np.einsum("tnc,ncd->tnd", signed, history.frames)
+    return np.einsum("tnc,ncd->tnd", signed, history.surface.frames)
 
 
 def test_turned_with_its_crystals() -> None:

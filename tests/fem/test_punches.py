@@ -129,7 +129,7 @@ def test_k_n(pressed: Pressed, side: int) -> None:
 
 def test_pressure(pressed: Pressed) -> None:
     punch, contact, summary = pressed
-    x = contact.arc - summary.centre[-1]
+    x = contact.surface.arc - summary.centre[-1]
     # without the edges, and without the apex of the wedge, where the pressure is infinite
     inside = (np.abs(x) < 0.97 * HALF_WIDTH) & (np.abs(x) > 0.05 * HALF_WIDTH)
     expected = punch.profile.pressure(x[inside], HALF_WIDTH)

@@ -79,7 +79,7 @@ def test_short_slip_zones_are_resolved() -> None:
             # 0.3 % of it are 6e-5 of the half-width
             assert found.length == pytest.approx(zone, rel=5e-3)
     if solution is not None:
-        distance = np.abs(solution.contacts[0].arc)
+        distance = np.abs(solution.contacts[0].surface.arc)
         inside = (distance > HALF_WIDTH - zone) & (distance < HALF_WIDTH)
         assert np.count_nonzero(inside) / 2 >= 8
 

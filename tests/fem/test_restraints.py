@@ -105,9 +105,9 @@ def moment_on_platen(found: Result, centre: float) -> float:
     """Moment about (centre, 1) that balances what the contact does to the upper block."""
     assert found.solution is not None
     contact = found.solution.contacts[0]
-    p, q = (contact.weights[:, None] * np.asarray(contact.mean_traction[-1])).T
+    p, q = (contact.surface.weights[:, None] * np.asarray(contact.mean_traction[-1])).T
     # The shear on the upper block is -q, a unit of length below the axis.
-    return float(q.sum() - p @ (contact.points[:, 0] - centre))
+    return float(q.sum() - p @ (contact.surface.points[:, 0] - centre))
 
 
 def test_a_platen_that_tilts_freely_passes_on_no_moment() -> None:

@@ -139,13 +139,13 @@ def moved(found: Solution, name: str) -> Array:
 
 
 def distance(contact: ContactHistory) -> Array:
-    return np.hypot(contact.points[:, 0], contact.points[:, 2])
+    return np.hypot(contact.surface.points[:, 0], contact.surface.points[:, 2])
 
 
 def vectors(contact: ContactHistory, state: int) -> Array:
     """(N, 3) mean shear around the nodes."""
     shear = np.asarray(contact.mean_traction[state])[:, 1:]
-    return np.asarray(np.einsum("nk,nkd->nd", shear, contact.frames[:, 1:]))
+    return np.asarray(np.einsum("nk,nkd->nd", shear, contact.surface.frames[:, 1:]))
 
 
 def circle(squared: Array, r: Array, within: float) -> tuple[float, float]:
@@ -161,20 +161,20 @@ def hertz(r: Array, radius: float) -> Array:
 
 def hat_means(contact: ContactHistory, function: Callable[[Array], Array]) -> Array:
     """(N, ...) means of a function of (x, z) around the nodes, as those of the tractions."""
-    assert contact.facets is not None
+    assert contact.surface.facets is not None
     s = (np.arange(16) + 0.5) / 16
     u, v = (each.ravel() for each in np.meshgrid(s, s))
     hats = np.column_stack([1 - u, u * (1 - v), u * v])
-    corners = contact.points[contact.facets]
+    corners = contact.surface.points[contact.surface.facets]
     sides = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
     area = np.linalg.norm(np.cross(*sides), axis=1) / 2
     values = function(np.einsum("gk,fkd->fgd", hats, corners)[..., [0, 2]])
     # The map of the square to the triangle has the determinant 2 u.
     shares = hats * (2 * u / len(u))[:, None]
     parts = np.einsum("f,fg...,gk->fk...", area, values, shares).reshape(-1, *values.shape[2:])
-    sums = np.zeros((len(contact.weights), *values.shape[2:]))
-    np.add.at(sums, contact.facets.ravel(), parts)
-    weights = np.bincount(contact.facets.ravel(), np.repeat(area / 3, 3), len(sums))
+    sums = np.zeros((len(contact.surface.weights), *values.shape[2:]))
+    np.add.at(sums, contact.surface.facets.ravel(), parts)
+    weights = np.bincount(contact.surface.facets.ravel(), np.repeat(area / 3, 3), len(sums))
     return np.asarray((sums.T / weights).T)
 
 
@@ -186,7 +186,7 @@ def rms(difference: Array, contact: ContactHistory) -> float:
     """Of the lengths of vectors (N, k), or of values (N,), in the contact and around it."""
     near = distance(contact) < 1.3
     squares = (difference.reshape(len(difference), -1) ** 2).sum(axis=1)
-    return float(np.sqrt(np.average(squares[near], weights=contact.weights[near])))
+    return float(np.sqrt(np.average(squares[near], weights=contact.surface.weights[near])))
 
 
 def test_pressure_is_that_of_hertz(sheared: Solution) -> None:
@@ -298,7 +298,7 @@ def test_turning_load_leaves_the_shear_of_half_spaces(
     off = shear - scale * expected
     top = FRICTION * PEAK * float(hertz(np.array([(1 - HALF) ** (1 / 3)]), 1.0)[0])
     sticking = contact.status[state + 1] == STICKS
-    border = float(np.sqrt(contact.weights[sticking].sum() / np.pi))
+    border = float(np.sqrt(contact.surface.weights[sticking].sum() / np.pi))
     away = np.abs(distance(contact) - border) > 1.5 * SIZE
     assert rms(off, contact) < 0.055 * top
     assert rms(off * away[:, None], contact) < 0.025 * top
@@ -307,8 +307,10 @@ def test_turning_load_leaves_the_shear_of_half_spaces(
 
 def smoothed(values: Array, contact: ContactHistory) -> Array:
     """(N, k) means over discs of one and a half elements around the nodes."""
-    near = cKDTree(contact.points).query_ball_point(contact.points, 1.5 * SIZE)
-    return np.array([np.average(values[i], axis=0, weights=contact.weights[i]) for i in near])
+    near = cKDTree(contact.surface.points).query_ball_point(contact.surface.points, 1.5 * SIZE)
+    return np.array(
+        [np.average(values[i], axis=0, weights=contact.surface.weights[i]) for i in near]
+    )
 
 
 def test_torsion_of_a_bonded_sphere(twisted: Solution) -> None:
@@ -319,8 +321,8 @@ def test_torsion_of_a_bonded_sphere(twisted: Solution) -> None:
     turn = 3 * MOMENT / (16 * radius**3) * 2 * (2 / YOUNG)
     assert moved(twisted, "twist")[2] == pytest.approx(turn, rel=0.01)
     r, shear = distance(contact), vectors(contact, 2) - vectors(contact, 1)
-    around = shear[:, 0] * contact.points[:, 2] - shear[:, 2] * contact.points[:, 0]
-    weights = contact.weights
+    around = shear[:, 0] * contact.surface.points[:, 2] - shear[:, 2] * contact.surface.points[:, 0]
+    weights = contact.surface.weights
     assert abs((weights * around).sum()) == pytest.approx(MOMENT, rel=1e-3)
 
     def exact(r: Array) -> Array:

@@ -126,7 +126,7 @@ def test_the_same_mesh_inside_gives_the_same_tractions(whole: Run, tmp_path: Pat
     assert len(part.tractions) == 5
     # nodes of the contact are those of the whole that are inside
     x, inside = (
-        np.array([each.coupling.points[:, 0] for each in one.model.reduction.pairs])[0]
+        np.array([each.coupling.surface.points[:, 0] for each in one.model.reduction.pairs])[0]
         for one in (whole, part)
     )
     chosen = np.searchsorted(np.sort(x), np.sort(inside) - 1e-9)
@@ -291,7 +291,7 @@ def test_temperatures_of_another_run_drive_the_whole_and_a_part(tmp_path: Path) 
     loads = {f"{body}_moves": cut(body, tmp_path / f"{body}.csv") for body in ("upper", "lower")}
     part = run(heated_case({**loads, "heat": heat}), *parts(WIDE[KEPT], DEEP[:ROWS]))
     x, inside = (
-        np.array([each.coupling.points[:, 0] for each in one.model.reduction.pairs])[0]
+        np.array([each.coupling.surface.points[:, 0] for each in one.model.reduction.pairs])[0]
         for one in (whole, part)
     )
     chosen = np.searchsorted(np.sort(x), np.sort(inside) - 1e-9)

@@ -120,9 +120,12 @@ def test_factors_of_full_stick_are_those_of_a_bonded_strip(
     for driver in range(2):
         field = contact.full_stick.fields[int(contact.integrals.areas[0])][:, :2, driver]
         traction, places = field @ [1, 1j], contact.integrals.positions[0]
-        half_width, x = np.ptp(places) / 2, contact.points[:, 0] - places.mean()
+        half_width, x = np.ptp(places) / 2, contact.surface.points[:, 0] - places.mean()
         exact = stuck_strip(
-            contact.weights @ traction, (contact.weights * x) @ traction, half_width, beta
+            contact.surface.weights @ traction,
+            (contact.surface.weights * x) @ traction,
+            half_width,
+            beta,
         )
         # (stations, 2) at the length 1.
         found = contact.integrals.factors[0, ..., driver].mean(axis=0)

@@ -43,7 +43,7 @@ def test_shear_of_cattaneo_mindlin_after_a_reversal(ratio: float) -> None:
     solution = solve_half_planes(given).solution
     contact = solution.contacts[0]
     reference = PartialSlip(HERTZ, LOAD, FRICTION)
-    x = contact.arc
+    x = contact.surface.arc
     expected = reference.shear_after(x, [q1, -q1, float(given.shear_force[-1])])
     # The shear has square roots at the borders of the stick zones, each somewhere in an element.
     borders = [reference.stick_half_width(q) for q in (q1, abs(given.shear_force[-1] + q1) / 2)]

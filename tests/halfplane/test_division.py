@@ -94,9 +94,9 @@ def test_edges_move_little_within_the_parts() -> None:
     """By the part of the half-width that is aimed at, or from one node to the next one."""
     outcome, _ = solved(1)
     solution, (contact,) = outcome.solution, outcome.solution.contacts
-    normal, shear = np.moveaxis(np.asarray(contact.traction), 2, 0) @ contact.weights
+    normal, shear = np.moveaxis(np.asarray(contact.traction), 2, 0) @ contact.surface.weights
     pressed = np.asarray(contact.traction[:, :, 0] > 0)
-    half_width = pressed @ contact.weights / 2
+    half_width = pressed @ contact.surface.weights / 2
     mean = (half_width[1:] + half_width[:-1]) / 2
     moved, nodes = np.abs(np.diff(half_width)) / mean, np.abs(np.diff(pressed.sum(axis=1)))
     sheared = np.abs(shear[1:]) > LEAST_SHEAR * FRICTION * normal[1:]

@@ -34,7 +34,7 @@ def test_pressure_and_edges(profile: Profile) -> None:
         assert edge.k_n[-1] == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=5e-3)
         # the second K_N: differences of positions, at loads 10 % apart
         assert edge.k_n_moved == pytest.approx(float(edge_factor_k_n(profile, 1.0)), rel=0.01)
-    x = contact.arc
+    x = contact.surface.arc
     # without the edges, the apex of the wedge, and the kinks, where the pressure has a steep bend
     smooth = (np.abs(x) < 0.999) & (np.abs(x) > 0.02)
     for kink in profile.kinks:
@@ -97,7 +97,7 @@ def test_convergence_under_refinement() -> None:
     pressures, shears = [], []
     for elements in (40, 80, 160, 320):
         contact = solve_half_planes(given, elements).solution.contacts[0]
-        x, w = contact.arc, contact.weights
+        x, w = contact.surface.arc, contact.surface.weights
         p, q = contact.mean_traction[-1].T
         # The shear has a square root at the border of the stick zone, somewhere in an element.
         inside = np.abs(x) < 0.99

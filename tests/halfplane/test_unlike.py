@@ -61,20 +61,20 @@ def test_sliding_parabola(beta: float, friction: float, direction: float) -> Non
     exponent = sliding_exponent(beta, direction * friction)
     modulus, radius = HERTZ.e_star, HERTZ.radius
     length = np.sqrt(4 * LOAD * radius / (np.pi * modulus * exponent * (1 - exponent)))
-    x, pressure = contact.arc, contact.mean_traction[-1, :, 0]
+    x, pressure = contact.surface.arc, contact.mean_traction[-1, :, 0]
     left, right = (1 - exponent) * length + x, exponent * length - x
     shape = np.maximum(left, 0) ** exponent * np.maximum(right, 0) ** (1 - exponent)
     expected = modulus / (2 * radius) * np.sin(np.pi * exponent) * shape
     inner = np.minimum(left, right) > 0.02
     assert np.abs(pressure - expected)[inner].max() < 2e-3
-    assert pressure @ contact.weights == pytest.approx(LOAD, rel=1e-6)
+    assert pressure @ contact.surface.weights == pytest.approx(LOAD, rel=1e-6)
 
 
 def stick_ratio(contact: ContactHistory) -> float:
     """Half-width of the stick zone over that of the contact, in the last state."""
     status, pressure = np.asarray(contact.status[-1]), contact.traction[-1, :, 0]
-    touching = contact.arc[pressure > 0]
-    stuck = contact.arc[(pressure > 0) & (status != SLIP)]
+    touching = contact.surface.arc[pressure > 0]
+    stuck = contact.surface.arc[(pressure > 0) & (status != SLIP)]
     return float(np.ptp(stuck) / np.ptp(touching))
 
 
@@ -102,7 +102,7 @@ def test_normal_loading_slips_from_the_edges_inward(
     given = unlike(problem(forces, friction=friction, frictional_press=True), beta)
     contact = solve(given, 150)
     # The border stands between two nodes at either side, and the edge somewhere in the last step.
-    element = float(np.diff(contact.arc).max())
+    element = float(np.diff(contact.surface.arc).max())
     assert stick_ratio(contact) == pytest.approx(expected, abs=element)
     for station in solved(given, 150).stations:
         (zone,) = station.slip_zones
@@ -124,7 +124,7 @@ def test_the_reaction_holds_a_guided_body() -> None:
     turning = replace(given, guided=False)
     for each, guided in ((given, True), (turning, False)):
         contact = solve(each)
-        moment = contact.traction[-1, :, 0] * contact.arc @ contact.weights
+        moment = contact.traction[-1, :, 0] * contact.surface.arc @ contact.surface.weights
         assert (abs(moment) > 0.01 * LOAD) == guided
 
 
@@ -137,7 +137,7 @@ def test_factors_of_full_stick_are_those_of_the_solution(beta: float, guided: bo
     contact = outcome.solution.contacts[0]
     fields = contact.full_stick.fields[contact.full_stick.area[-1]]
     touching = fields.any(axis=(1, 2))
-    x = contact.arc[touching]
+    x = contact.surface.arc[touching]
     # Where the edges of the discrete increments stand hardly matters away from them.
     a, middle = (x[-1] - x[0]) / 2, (x[-1] + x[0]) / 2
     epsilon, inner = oscillation(beta), np.abs(x - middle) < 0.8 * a
@@ -240,7 +240,7 @@ def test_exponents_of_fits_are_lambda(beta: float, friction: float) -> None:
     shear = friction * LOAD * np.linspace(0.15, 0.75, 5)
     contact = solve(unlike(problem(LOAD, shear, friction=friction), beta))
     fits = edge_fits(contact, np.arange(len(contact.traction)))
-    x, pressure = contact.arc, contact.mean_traction[-1, :, 0]
+    x, pressure = contact.surface.arc, contact.mean_traction[-1, :, 0]
     for fit, inward in zip(fits, (1.0, -1.0), strict=True):
         s = inward * (x - fit.position[-1])
         near = (s > 0.01) & (s < 0.12)

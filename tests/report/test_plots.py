@@ -66,7 +66,7 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
     change = _stuck_change(solution, shown, near)
     assert change is not None
     a = float(PROFILE.half_width(P))
-    x = shown.tractions.arc
+    x = shown.tractions.surface.arc
     inside = np.abs(x) < 0.9 * a
     exact = 2 * Q / (np.pi * np.sqrt(a**2 - x[inside] ** 2))
     # 300 elements over the contact; nodal values of a singular field.
@@ -214,7 +214,7 @@ def test_a_contact_of_one_node_has_room_around_it(shown: Shown) -> None:
     status[:, 7] = STICK
     alone = replace(shown, tractions=replace(shown.tractions, status=status))
     low, high = _limits(alone, np.array([np.nan]))
-    place, arc = shown.tractions.arc[7], shown.tractions.arc
+    place, arc = shown.tractions.surface.arc[7], shown.tractions.surface.arc
     assert low < place < high and high - low == pytest.approx(0.08 * np.ptp(arc), rel=0.5)
 
 

@@ -291,14 +291,15 @@ def test_large_animations_are_thinned_out(result: Result, monkeypatch: pytest.Mo
 def test_flanks_press_a_blade_up(result: Result, turn: float, upright: int) -> None:
     """Two flanks at 60 degrees to y, mirror images, or facing one another as on a plate."""
     contact = result.contact_history("main")
+    surface, count = contact.surface, len(contact.surface.points)
     x, y = np.sin(np.pi / 3), np.cos(np.pi / 3)
     frame = np.array([[x, y, 0.0], [-y, x, 0.0], [0.0, 0.0, 1.0]])
     mirrored = np.array([[-x, turn * y, 0.0], [y, turn * x, 0.0], [0.0, 0.0, 1.0]])
     flanks = [
-        replace(contact, frames=np.broadcast_to(each, contact.frames.shape))
+        replace(contact, surface=replace(surface, frames=np.broadcast_to(each, (count, 3, 3))))
         for each in (frame, mirrored)
     ]
-    view = _whole(contact.points, flanks)
+    view = _whole(contact.surface.points, flanks)
     assert np.abs(view.up).argmax() == upright and view.up[upright] > 0
 
 
@@ -316,17 +317,17 @@ def test_cut_shows_the_stress_below_the_contact(drawn: Path) -> None:
 
 def test_cut_stays_inside_a_contact_whose_pressure_is_largest_at_an_end(result: Result) -> None:
     history = result.contact_history("main")
-    assert history.points is not None
-    whole = _whole(history.points, [history])
+    assert history.surface.points is not None
+    whole = _whole(history.surface.points, [history])
     state = int(history.mean_traction[:, :, 0].max(axis=1).argmax())
-    normal = _cut(history.points, history, state, whole).cut
+    normal = _cut(history.surface.points, history, state, whole).cut
     assert normal is not None
-    across = history.points @ normal
+    across = history.surface.points @ normal
     for end in (across.argmin(), across.argmax()):
         tractions = np.array(history.mean_traction)
         tractions[state, end, 0] = 1e6
         loaded = replace(history, mean_traction=tractions)
-        view = _cut(history.points, loaded, state, whole)
+        view = _cut(history.surface.points, loaded, state, whole)
         assert view.cut is not None and np.allclose(view.cut, normal)
         assert across.min() < view.centre @ normal < across.max()
 

@@ -34,6 +34,7 @@ from fretfe.report.pictures.looks import (
 )
 from fretfe.report.pictures.mesh import shares_text, visible_status
 from fretfe.report.pictures.panels import View
+from fretfe.surface.contact_surface import ContactSurface
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
@@ -91,14 +92,16 @@ def test_round_numbers(value: float, down: float, up: float) -> None:
     assert round_up(value) == pytest.approx(up)
 
 
-def contact(gap: list[list[float]], **changes: Any) -> ContactHistory:
+def contact(gap: list[list[float]], weights: Array | None = None, **changes: Any) -> ContactHistory:
     count = len(gap[0])
     arc = np.linspace(0.0, 1.0, count)
+    surface = ContactSurface(
+        arc=arc,
+        points=np.stack([arc, 0 * arc], axis=1),
+        frames=np.tile(np.array([[0.0, 1.0], [1.0, 0.0]]), (count, 1, 1)),
+        weights=np.ones(count) if weights is None else weights,
+    )
     values: dict[str, Any] = {
-        "arc": arc,
-        "points": np.stack([arc, 0 * arc], axis=1),
-        "frames": np.tile(np.array([[0.0, 1.0], [1.0, 0.0]]), (count, 1, 1)),
-        "weights": np.ones(count),
         "gap": np.array(gap),
         "slip": np.zeros((len(gap), count, 1)),
         "status": np.zeros((len(gap), count), dtype=np.int8),
@@ -110,6 +113,7 @@ def contact(gap: list[list[float]], **changes: Any) -> ContactHistory:
         pair="main",
         body1="upper",
         body2="lower",
+        surface=surface,
         friction=np.zeros(len(gap)),
         traction=zeros,
         mean_traction=zeros,

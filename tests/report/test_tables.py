@@ -186,7 +186,7 @@ def test_ends_of_fronts_have_a_line_of_their_own(sphere: Result) -> None:
     contact, (front,) = sphere.solution.contacts[0], sphere.contacts[0].fronts
     found = re.search(r"slip by up to (\S+) mm, with a friction work of up to (\S+) N/mm", last)
     assert found is not None
-    angle = np.arctan2(*contact.points[:, [2, 0]].T)
+    angle = np.arctan2(*contact.surface.points[:, [2, 0]].T)
     places = [np.arctan2(*each.point[[2, 0]]) for each in front.stations[:2]]
     # The sectors of two of twelve stations.
     near = np.any([np.cos(angle - each) > np.cos(np.pi / 12) for each in places], axis=0)

@@ -67,33 +67,42 @@ def test_a_body_ends_at_its_edges_and_not_where_its_group_does(cell: str, order:
 
 def at_ends(coupling: Coupling, skew: float = 0.0) -> Bools:
     """Nodes in the planes where both bodies end, those on their edges left out."""
-    z, x = coupling.points[:, 2], coupling.points[:, 0]
+    z, x = coupling.surface.points[:, 2], coupling.surface.points[:, 0]
     middle = x + np.tan(np.radians(skew)) * z
     return (np.abs(z * (LENGTH - z)) < 1e-9) & (np.abs(middle) < 0.55)
+
+
+def free_nodes(coupling: Coupling) -> Bools:
+    free = coupling.surface.free
+    assert free is not None
+    return free
 
 
 @pytest.mark.parametrize("side", ["surface1", "surface2"])
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 def test_both_bodies_end_at_the_planes_they_share(cell: str, side: str) -> None:
     coupling = coupled(bodies(cell), side)
-    shared = at_ends(coupling)
-    assert shared.sum() >= 8 and coupling.free[shared].all()
-    rim = rim_nodes(coupling.facets, len(coupling.points))
-    inside = np.abs(coupling.points[:, 2] - LENGTH / 2) < 0.49 * LENGTH
-    assert rim[inside].any() and not coupling.free[inside].any()
+    shared, free = at_ends(coupling), free_nodes(coupling)
+    assert shared.sum() >= 8 and free[shared].all()
+    assert coupling.surface.facets is not None
+    rim = rim_nodes(coupling.surface.facets, len(coupling.surface.points))
+    inside = np.abs(coupling.surface.points[:, 2] - LENGTH / 2) < 0.49 * LENGTH
+    assert rim[inside].any() and not free[inside].any()
 
 
 def test_both_bodies_end_where_they_are_skewed() -> None:
     for skew in (10.0, -10.0):
         coupling = coupled(bodies(skew=skew))
-        ends = np.abs(coupling.points[:, 2] * (LENGTH - coupling.points[:, 2])) < 1e-9
-        assert np.count_nonzero(ends & coupling.free) >= np.count_nonzero(ends) - 4
+        ends = (
+            np.abs(coupling.surface.points[:, 2] * (LENGTH - coupling.surface.points[:, 2])) < 1e-9
+        )
+        assert np.count_nonzero(ends & free_nodes(coupling)) >= np.count_nonzero(ends) - 4
 
 
 def test_a_body_that_goes_on_is_no_common_end() -> None:
     coupling = coupled(bodies(longer=0.2))
-    near, far = (np.abs(coupling.points[:, 2] - z) < 1e-9 for z in (0.0, LENGTH))
-    assert coupling.free[near].any() and not coupling.free[far].any()
+    near, far = (np.abs(coupling.surface.points[:, 2] - z) < 1e-9 for z in (0.0, LENGTH))
+    assert free_nodes(coupling)[near].any() and not free_nodes(coupling)[far].any()
 
 
 def test_a_group_that_is_too_small_is_no_end() -> None:
@@ -102,8 +111,8 @@ def test_a_group_that_is_too_small_is_no_end() -> None:
     z = solids["pad"].points[facets].mean(axis=1)[:, 2]
     solids["pad"] = replace(solids["pad"], boundaries={"pad_bottom": facets[z < 0.6 * LENGTH]})
     coupling = coupled(solids)
-    assert coupling.free[np.abs(coupling.points[:, 2]) < 1e-9].any()
-    assert not coupling.free[coupling.points[:, 2] > 0.1].any()
+    assert free_nodes(coupling)[np.abs(coupling.surface.points[:, 2]) < 1e-9].any()
+    assert not free_nodes(coupling)[coupling.surface.points[:, 2] > 0.1].any()
 
 
 def test_warning_where_not_both_bodies_end() -> None:
@@ -112,7 +121,8 @@ def test_warning_where_not_both_bodies_end() -> None:
     (contact,) = result.solution.contacts
     (told,) = (text for text in result.contacts[0].warnings if "border" in text)
     assert told.startswith("the contact reaches the border of its surface, first at (")
-    assert contact.facets is not None
-    ended = replace(contact, free=rim_nodes(contact.facets, len(contact.points)))
+    assert contact.surface.facets is not None
+    rim = rim_nodes(contact.surface.facets, len(contact.surface.points))
+    ended = replace(contact, surface=replace(contact.surface, free=rim))
     (found,) = evaluate(replace(result.solution, contacts=(ended,)))
     assert not any("border" in text for text in found.warnings)

@@ -112,17 +112,17 @@ def test_weights_add_up_to_the_area_of_the_overlap(cell1: str, cell2: str, order
 def test_hats_are_a_partition_of_unity(cell1: str, cell2: str, order: int, side: str) -> None:
     pair = flat_pair(cell1, cell2, order, gap=0.1)
     coupling = couple("main", *pair, side, order)
-    assert coupling.weights.sum() == pytest.approx(AREA, rel=1e-13)
-    assert coupling.gap == pytest.approx(0.1 * coupling.weights, rel=1e-12)
-    ones = np.ones(len(coupling.weights))
+    assert coupling.surface.weights.sum() == pytest.approx(AREA, rel=1e-13)
+    assert coupling.gap == pytest.approx(0.1 * coupling.surface.weights, rel=1e-12)
+    ones = np.ones(len(coupling.surface.weights))
     np.testing.assert_allclose(coupling.averaging @ ones, ones, rtol=1e-12)
-    assert len(coupling.arc) == 0
+    assert len(coupling.surface.arc) == 0
     # Constant tractions act on both bodies alike: n = z, t1 = n × e, t2 = n × t1.
     tractions = np.tile([3.0, 0.5, -0.2], len(ones))
     force1, force2 = (
         (body.T @ tractions).reshape(-1, 3).sum(axis=0) for body in (coupling.body1, coupling.body2)
     )
-    expected = AREA * np.array([3.0, -0.5, 0.2]) @ coupling.frames[0]
+    expected = AREA * np.array([3.0, -0.5, 0.2]) @ coupling.surface.frames[0]
     np.testing.assert_allclose(force1, expected, rtol=0, atol=1e-12)
     np.testing.assert_allclose(force2, -expected, rtol=0, atol=1e-12)
 
@@ -165,24 +165,25 @@ def jump(coupling: Coupling, pair: tuple[Surface, Surface], degree: int) -> Arra
     gradient = np.array([[0.3, -1.1, 0.2], [0.7, 0.4, -0.5], [-0.6, 0.9, 0.8]])
     fields = [surface.displacement_points(degree) @ gradient.T for surface in pair]
     found = coupling.body1 @ fields[0].ravel() + coupling.body2 @ fields[1].ravel()
-    return np.abs(found) / np.repeat(coupling.weights, 3)
+    return np.abs(found) / np.repeat(coupling.surface.weights, 3)
 
 
 @SIDES
 @KINDS
 def test_facets_of_the_nodes_look_out_of_body_2(cell: str, order: int, side: str) -> None:
     pair = flat_pair(cell, cell, order)
-    coupling = couple("main", *pair, side, order)
-    corners = coupling.points[coupling.facets]
+    surface = couple("main", *pair, side, order).surface
+    assert surface.facets is not None
+    corners = surface.points[surface.facets]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.all(normals[:, 2] > 0) and np.all(normals[:, :2] == 0)
-    assert set(np.unique(coupling.facets)) <= set(range(len(coupling.points)))
+    assert set(np.unique(surface.facets)) <= set(range(len(surface.points)))
     # All facets that overlap somewhere; those of the first surface are 5 × 6, of the second 7 × 5.
     per_cell = 2 if cell == "triangle" else 1
-    assert len(coupling.facets) <= per_cell * (30 if side == "surface1" else 35)
-    assert len(coupling.facets) >= per_cell * (20 if side == "surface1" else 28)
+    assert len(surface.facets) <= per_cell * (30 if side == "surface1" else 35)
+    assert len(surface.facets) >= per_cell * (20 if side == "surface1" else 28)
     # The rectangles reach beyond each other: nodes at the end have cut hats.
-    ends = np.concatenate([coupling.points.min(axis=0), coupling.points.max(axis=0)])[[0, 1, 3, 4]]
+    ends = np.concatenate([surface.points.min(axis=0), surface.points.max(axis=0)])[[0, 1, 3, 4]]
     assert np.all(np.abs(ends) >= np.array([0.7, 0.9, 0.8, 0.95]) - 1e-12)
 
 
@@ -274,11 +275,13 @@ def test_the_plane_inside_space(order: int, side: str) -> None:
     """Extruded quadrilaterals: sums over z are the operators of the plane, times the length."""
     plane, solid = sheets.extruded_pair(order, length=0.8)
     flat, deep = (couple("main", *pair, side, order) for pair in (plane, solid))
-    at_ends = deep.points[:, 2] == 0
-    assert at_ends.sum() == len(flat.weights)
-    same_section = [np.flatnonzero(np.all(deep.points[:, :2] == x, axis=1)) for x in flat.points]
-    weights = np.array([deep.weights[nodes].sum() for nodes in same_section])
-    np.testing.assert_allclose(weights, 0.8 * flat.weights, rtol=1e-12)
+    at_ends = deep.surface.points[:, 2] == 0
+    assert at_ends.sum() == len(flat.surface.weights)
+    same_section = [
+        np.flatnonzero(np.all(deep.surface.points[:, :2] == x, axis=1)) for x in flat.surface.points
+    ]
+    weights = np.array([deep.surface.weights[nodes].sum() for nodes in same_section])
+    np.testing.assert_allclose(weights, 0.8 * flat.surface.weights, rtol=1e-12)
     gaps = np.array([deep.gap[nodes].sum() for nodes in same_section])
     np.testing.assert_allclose(gaps, 0.8 * flat.gap, rtol=0, atol=1e-12 * np.abs(flat.gap).max())
     rng = np.random.default_rng(2)

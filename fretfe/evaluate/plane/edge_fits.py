@@ -32,13 +32,17 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
         source: (T,) the state that each state is the same as.
     """
     states = np.unique(source)
-    couple = MissingShear(contact.arc, contact.dundurs) if contact.dundurs else None
+    couple = (
+        MissingShear(contact.surface.arc, contact.surface.dundurs)
+        if contact.surface.dundurs
+        else None
+    )
     parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
     for block in blocks(len(states), contact.traction[0].size):
         pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)[:2]
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
-        sections = plane_sections(contact.arc, pressure[fitted])
+        sections = plane_sections(contact.surface.arc, pressure[fitted])
         for front, section in zip(PLANE_FRONTS, sections, strict=True):
             if couple is not None:
                 fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
@@ -66,22 +70,23 @@ def _unlike_fit(
         shear: (T, n)
     """
     section, across = (
-        plane_sections(contact.arc, pressure, each)[front.number] for each in (pressure, shear)
+        plane_sections(contact.surface.arc, pressure, each)[front.number]
+        for each in (pressure, shear)
     )
     ratio = _shear_over_pressure(section, across)
-    exponent = sliding_exponent(contact.dundurs, front.inward * ratio)
+    exponent = sliding_exponent(contact.surface.dundurs, front.inward * ratio)
     missing = front.inward * (shear - ratio[:, None] * pressure)
     # The status of the outermost node means nothing.
-    missing[contact.arc == section.origin[:, None]] = 0.0
+    missing[contact.surface.arc == section.origin[:, None]] = 0.0
     fit = fit_edge(section, solved=True, exponent=exponent)
 
     def refit(known: EdgeFit, missing: Array) -> EdgeFit:
         coupled = couple.pressure(missing, exponent, front.inward, known.position)
         alone = np.where(pressure > 0, np.maximum(pressure - coupled, 0.0), 0.0)
-        section = plane_sections(contact.arc, pressure, alone)[front.number]
+        section = plane_sections(contact.surface.arc, pressure, alone)[front.number]
         return fit_edge(section, solved=True, exponent=exponent)
 
-    coarser = without_every_other(contact.arc, missing)
+    coarser = without_every_other(contact.surface.arc, missing)
     fit, others = without_missing(fit, missing, coarser, refit)
     position = widened(fit.spread_position, fit.position, [each.position for each in others])
     k_n = widened(fit.spread_k_n, fit.k_n, [each.k_n for each in others])

@@ -102,14 +102,14 @@ def evaluate_plane(
     whole = histories.ways.mean(axis=0)
     cycle = cycle_states(solution.cycle)
     a, own = last_known(half_width, cycle), whole
-    if contact.dundurs:
-        whole = factors_at(whole, contact.dundurs, 2 * a / K_T_LENGTH)
-        whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.dundurs))
+    if contact.surface.dundurs:
+        whole = factors_at(whole, contact.surface.dundurs, 2 * a / K_T_LENGTH)
+        whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.surface.dundurs))
     pressed = tuple(
-        pressed_on(each, contact.dundurs, 2 * a, contact.friction, cycle) for each in own
+        pressed_on(each, contact.surface.dundurs, 2 * a, contact.friction, cycle) for each in own
     )
     edges = _Edges(solution, contact, centre, fits, histories, path, pressed)
-    if contact.dundurs:
+    if contact.surface.dundurs:
         zones = np.array(
             [
                 reference_length(contact, fit, factors, a, cycle, alone)
@@ -186,7 +186,7 @@ def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array
     Where slip changes how the loads divide between several contacts, this is not the Q of the
     contact itself, but the one that belongs to K_T. Without increments it is the Q of the contact.
     """
-    increments, weights = contact.full_stick, contact.weights
+    increments, weights = contact.full_stick, contact.surface.weights
     if not len(increments.fields):
         parts = blocks(len(contact.traction), contact.traction[0].size)
         return np.concatenate([contact.traction[part, :, 1] @ weights for part in parts])
@@ -274,7 +274,7 @@ def _factor_histories(
                 friction,
                 touching[interval],
                 cycle,
-                unlike=contact.dundurs != 0,
+                unlike=contact.surface.dundurs != 0,
             )
             return found.swapaxes(0, 1)
 
@@ -327,11 +327,11 @@ class _Edges:
     def at(self, lengths: Array, zones: Array) -> _Edges:
         """The same of unlike bodies at reference lengths (2,), with slip zones (2,)."""
         cycle = cycle_states(self.solution.cycle)
-        histories = self.histories.at(self.contact.dundurs, lengths)
+        histories = self.histories.at(self.contact.surface.dundurs, lengths)
         fits, factors = [], histories.ways.mean(axis=0)
         for number, (direction, _) in enumerate(histories.directions(cycle)):
             fit = self.fits[number]
-            size = _element_size(self.contact.arc, last_known(fit.position, cycle))
+            size = _element_size(self.contact.surface.arc, last_known(fit.position, cycle))
             share = reversed_share(along_line(factors[number], direction), cycle)
             sliding = sliding_apart(self.contact, direction)
             fits.append(fit.at(lengths[number], share * zones[number] / size, sliding))
@@ -339,7 +339,7 @@ class _Edges:
 
     def stations(self) -> list[Station]:
         """The stations of both edges."""
-        cycle, arc = cycle_states(self.solution.cycle), self.contact.arc
+        cycle, arc = cycle_states(self.solution.cycle), self.contact.surface.arc
         spreads = range_spreads(self.histories, self.fits, arc, cycle, self.path)
         found = zip(PLANE_FRONTS, self.histories.directions(cycle), spreads, strict=True)
         return [
@@ -371,7 +371,7 @@ class _Edges:
         half_width = abs(float((self.centre - fit.position)[-1]))
         movement = edge_movement(contact, front, half_width, float(exponents[-1]))
         linear = self.solution.degree == 1 and not self.histories.exact
-        hidden = _linear_error(front, self.contact.arc, fit.position) if linear else 0.0
+        hidden = _linear_error(front, self.contact.surface.arc, fit.position) if linear else 0.0
         bars = np.hypot(fit.spread_k_n, hidden * fit.k_n)
         k_n_spread = with_moved(fit.k_n, bars, movement.k_n)
         factors = self.histories.ways[:, front.number].mean(axis=0)
@@ -382,13 +382,13 @@ class _Edges:
         cycles = count_cycles(cycle, contact.friction, evaluated)
         point, frame = _place(contact, front, fit.position)
         angle = float(np.degrees(np.arctan2(direction[1], direction[0])))
-        here = nearest_front(contact.arc, last_known(self.centre, cycle)) == front.number
+        here = nearest_front(contact.surface.arc, last_known(self.centre, cycle)) == front.number
         fitted = self.histories.fitted
         return Station(
             **vars(history),
             frame=frame,
             point=point,
-            size=_element_size(contact.arc, float(fit.position[history.last])),
+            size=_element_size(contact.surface.arc, float(fit.position[history.last])),
             k_n_moved=movement.k_n,
             k_n_moved_spread=movement.k_n_spread,
             stiffening=movement.stiffening,
@@ -407,8 +407,8 @@ class _Edges:
             k_i_range=cycle_range(history.k_i, cycle),
             reference_length=self.lengths[front.number],
             exponent=float(exponents[history.last]),
-            oscillation=oscillation(contact.dundurs),
-            coupling=abs(contact.dundurs) * float(contact.friction.max()),
+            oscillation=oscillation(contact.surface.dundurs),
+            coupling=abs(contact.surface.dundurs) * float(contact.friction.max()),
             cycles=cycles,
             slip_zones=self._zones(front, evaluated, angle, cycles),
             dissipation=float(work[here].sum()),
@@ -429,7 +429,7 @@ class _Edges:
 
         def growth(start: int, end: int) -> Growth | None:
             # Between unlike bodies shear moves K_I and pressure K_T: what the growth leaves out.
-            if contact.dundurs:
+            if contact.surface.dundurs:
                 return None
             return zone_growth(evaluated, contact.friction, start, end, outer)
 
@@ -471,10 +471,10 @@ def _linear_error(front: PlaneFront, arc: Array, position: Array) -> float:
 def _place(contact: ContactHistory, front: PlaneFront, position: Array) -> tuple[Array, Frame]:
     """(3,) point and frame in the last state in which the position (T,) is known."""
     place = last_known(position, np.array([], dtype=np.int64))
-    frames = contact.frames[:, :2, :2].reshape(len(contact.arc), -1)
-    rows = np.hstack([contact.points, frames]).T
+    frames = contact.surface.frames[:, :2, :2].reshape(len(contact.surface.arc), -1)
+    rows = np.hstack([contact.surface.points, frames]).T
     point, across, tangent = np.reshape(
-        [np.interp(place, contact.arc, row) for row in rows], (3, 2)
+        [np.interp(place, contact.surface.arc, row) for row in rows], (3, 2)
     )
     return np.append(point, 0.0 * place), front.frame(across, tangent)
 
@@ -501,10 +501,10 @@ def with_shear(
 
     def share(state: int, angle: float, begin: float) -> float:
         traction = contact.mean_traction[state]
-        s = front.inward * (contact.arc - position[state])
+        s = front.inward * (contact.surface.arc - position[state])
         middle = front.inward * (centre[state] - position[state])
         behind = (s > begin) & (s < middle) & (traction[:, 0] > 0)
-        weights = contact.weights[behind]
+        weights = contact.surface.weights[behind]
         bound = float(contact.friction[zone.end] * (weights @ traction[behind, 0]))
         shear = traction[behind, 1:] @ front.axis(angle, traction.shape[1] - 1)
         return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
@@ -519,9 +519,9 @@ def with_shear(
 def _friction_work(solution: Solution, contact: ContactHistory) -> Array:
     """(N,) friction work of each node in the evaluated cycle, or in everything without one."""
     count = len(contact.dissipation)
-    in_cycle = np.zeros(len(contact.arc))
+    in_cycle = np.zeros(len(contact.surface.arc))
     first, last = solution.cycle or (-1, count - 1)
-    for states in blocks(count, len(contact.arc)):
+    for states in blocks(count, len(contact.surface.arc)):
         begin, end = max(first + 1 - states.start, 0), max(last + 1 - states.start, 0)
         in_cycle += contact.dissipation[states][begin:end].sum(axis=0)
     return in_cycle

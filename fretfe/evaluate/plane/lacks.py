@@ -59,5 +59,5 @@ def _reason(contact: ContactHistory, station: Station, states: Indices) -> Withh
     if not len(unknown):
         return Withheld(Lack.NO_TRACTIONS)
     pressure = contact.traction[unknown[-1], :, 0]
-    patch = main_patch(contact.arc, pressure)
-    return why_no_root(contact.arc, pressure, patch, plane_front(station.front))
+    patch = main_patch(contact.surface.arc, pressure)
+    return why_no_root(contact.surface.arc, pressure, patch, plane_front(station.front))

@@ -254,7 +254,7 @@ def _patches_of(solution: Solution, pair: ContactHistory) -> list[ContactHistory
     # Patches that part and merge again within one step are those of one contact.
     if stays_one_patch(picked(pressure, solution.ends)):
         return [pair]
-    tracks = follow(pair.arc, pressure)
+    tracks = follow(pair.surface.arc, pressure)
     if len(tracks) < 2:
         return [pair]
     names = [f"{pair.name}[{number}]" for number in range(1, len(tracks) + 1)]
@@ -298,7 +298,7 @@ def inside(node_range: Indices, nodes: int) -> Bools:
 
 def _restricted(pair: ContactHistory, node_range: Indices) -> ContactHistory:
     """A pair with tractions, contact and friction work of one patch only."""
-    nodes = len(pair.arc)
+    nodes = len(pair.surface.arc)
 
     def own(values: Array, states: Indices) -> Array:
         kept = inside(node_range[states], nodes)
@@ -338,7 +338,7 @@ def _fate(
     solution: Solution, pair: ContactHistory, track: Track, names: Sequence[str], begin: int
 ) -> Iterator[str]:
     """Events of a track, those of a kind in one text with the first time and place."""
-    digits = PLACES - math.floor(math.log10(np.ptp(pair.arc)))
+    digits = PLACES - math.floor(math.log10(np.ptp(pair.surface.arc)))
     kinds: dict[str, list[Event]] = {}
     for event in track.events:
         if event.step > begin:

@@ -200,7 +200,7 @@ def _border_between(
     `growth` tells what slip to expect if the zone did not grow steadily.
     """
     closed = contact.status[end] != OPEN
-    patch = main_patch(contact.arc, contact.traction[end, :, 0])
+    patch = main_patch(contact.surface.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
     nodes = front.from_front(np.flatnonzero(closed))
     line = _line(contact, start, end, outer, nodes[: len(nodes) // 2])
@@ -209,7 +209,7 @@ def _border_between(
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
     moved = slip > SMALLEST_SLIP * slip.max()
-    s, moved = front.distances(contact.arc[closed], position), moved[nodes]
+    s, moved = front.distances(contact.surface.arc[closed], position), moved[nodes]
     border = slip_border(s, slip[nodes], moved)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
     size = float(s[place] - s[place - 1])
@@ -266,7 +266,7 @@ def _slip_both_ways(
     contact: ContactHistory, start: int, end: int, outer: Bools, line: Array
 ) -> tuple[Array, Array]:
     """(N,) sums of slip increments along a line (d - 1,) and against it in outer steps."""
-    sums = np.zeros((2, len(contact.arc)))
+    sums = np.zeros((2, len(contact.surface.arc)))
     for steps in _steps(contact, start, end, outer):
         increments = steps @ line
         sums += np.maximum(increments, 0.0).sum(axis=0), np.maximum(-increments, 0.0).sum(axis=0)

@@ -38,10 +38,10 @@ def whole_contact(contact: ContactHistory) -> WholeContact:
 
     Only where it does so in all states in which it carries anything, and at one end alone.
     """
-    if contact.continued is None or contact.node_range is not None:
+    if contact.surface.continued is None or contact.node_range is not None:
         return WholeContact(contact)
     ends = [front for front in PLANE_FRONTS if _always_reaches(contact, front)]
-    normals = [contact.continued[_end(front)] for front in ends]
+    normals = [contact.surface.continued[_end(front)] for front in ends]
     if len(ends) != 1 or not normals[0].any():
         return WholeContact(contact)
     return WholeContact(_mirrored(contact, ends[0], normals[0]), ends[0])
@@ -49,7 +49,7 @@ def whole_contact(contact: ContactHistory) -> WholeContact:
 
 def reaches_image(contact: ContactHistory, front: PlaneFront) -> bool:
     """True if the bodies go on behind the end of the surface at a front."""
-    continued = contact.continued
+    continued = contact.surface.continued
     return continued is not None and bool(np.isfinite(continued[_end(front)]).all())
 
 
@@ -73,7 +73,7 @@ def _always_reaches(contact: ContactHistory, front: PlaneFront) -> bool:
 
 def _mirrored(contact: ContactHistory, front: PlaneFront, normal: Array) -> ContactHistory:
     """A contact with its image behind the end at a front, in the order along the arc."""
-    count = len(contact.arc)
+    count = len(contact.surface.arc)
     own = np.arange(count)
     beyond = own[:0:-1] if front.inward > 0 else own[-2::-1]
     images, there = np.ones(count - 1, dtype=bool), np.zeros(count, dtype=bool)
@@ -83,19 +83,24 @@ def _mirrored(contact: ContactHistory, front: PlaneFront, normal: Array) -> Cont
         nodes, image = np.append(own, beyond), np.append(there, images)
     middle = int(own[_end(front)])
     shape = _Image(nodes, image, nodes == middle)
-    away = contact.points - contact.points[middle]
-    reflected = contact.points - 2 * (away @ normal)[:, None] * normal
-    frames = contact.frames.copy()
+    surface = contact.surface
+    away = surface.points - surface.points[middle]
+    reflected = surface.points - 2 * (away @ normal)[:, None] * normal
+    frames = surface.frames.copy()
     frames[..., : len(normal)] -= 2 * (frames[..., : len(normal)] @ normal)[..., None] * normal
     # The tangent goes on in the direction of the arc.
     frames[:, 1] *= -1
     units, nearby = contact.full_stick, contact.nearby_loads
     return replace(
         contact,
-        arc=np.where(image, 2 * contact.arc[middle] - contact.arc[nodes], contact.arc[nodes]),
-        points=np.where(image[:, None], reflected[nodes], contact.points[nodes]),
-        frames=np.where(image[:, None, None], frames[nodes], contact.frames[nodes]),
-        weights=contact.weights[nodes] * np.where(shape.middle, 2.0, 1.0),
+        surface=replace(
+            surface,
+            arc=np.where(image, 2 * surface.arc[middle] - surface.arc[nodes], surface.arc[nodes]),
+            points=np.where(image[:, None], reflected[nodes], surface.points[nodes]),
+            frames=np.where(image[:, None, None], frames[nodes], surface.frames[nodes]),
+            weights=surface.weights[nodes] * np.where(shape.middle, 2.0, 1.0),
+            continued=None,
+        ),
         traction=shape.vectors(contact.traction, first=1),
         mean_traction=shape.vectors(contact.mean_traction, first=1),
         slip=shape.vectors(contact.slip, first=0),
@@ -104,7 +109,6 @@ def _mirrored(contact: ContactHistory, front: PlaneFront, normal: Array) -> Cont
         dissipation=shape.scalars(contact.dissipation, twice=True),
         full_stick=replace(units, fields=shape.vectors(units.fields, first=1)),
         nearby_loads=nearby and replace(nearby, pressure=nearby.pressure[:, nodes]),
-        continued=None,
     )
 
 

@@ -221,7 +221,7 @@ def _pressed(
     lengths = 2 * front.depth * WITHIN_CIRCLE**-bent
     stations = zip(histories.ways.mean(axis=0), lengths.tolist(), strict=True)
     return tuple(
-        pressed_on(factors, contact.dundurs, length, contact.friction, cycle)
+        pressed_on(factors, contact.surface.dundurs, length, contact.friction, cycle)
         for factors, length in stations
     )
 
@@ -246,13 +246,13 @@ def _factor_histories(
             integrals.positions[:, stations],
             integrals.factors[:, way, stations],
             track.front.depth,
-            contact.dundurs,
+            contact.surface.dundurs,
             GROWTH[track.front.frames.closed],
         )
         # Each station by itself: where one is unknown others are not.
         alone = [units[:, [row]] for row in range(count)]
         filled = [within_known(each, solution.step) for each in alone]
-        unlike = contact.dundurs != 0
+        unlike = contact.surface.dundurs != 0
         ways.append(
             [add_up(each, drivers, friction, touching, cycle, unlike)[0] for each in filled]
         )
@@ -329,7 +329,7 @@ class _Front:
             told: the other length; None without.
         """
         count = len(self.track.front.sectors)
-        if not self.contact.dundurs:
+        if not self.contact.surface.dundurs:
             return tuple(self._evaluated(each) for each in range(count))
         zones = self._reference_lengths()
         own = self._at(zones, zones)
@@ -356,7 +356,7 @@ class _Front:
 
     def _at(self, lengths: Array, zones: Array) -> _Front:
         """The same of unlike bodies at reference lengths (n,), with slip zones (n,)."""
-        factors = self.factors.at(self.contact.dundurs, lengths)
+        factors = self.factors.at(self.contact.surface.dundurs, lengths)
         cycle = cycle_states(self.solution.cycle)
         directions = [direction for direction, _ in factors.directions(cycle)]
         along = map(along_line, factors.ways.mean(axis=0), directions)
@@ -395,7 +395,7 @@ class _Front:
         length = float(last_known(fit.length[:, number], cycle))
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         # Shear along the front knows nothing of beta.
-        coupled = abs(self.contact.dundurs * float(direction[0]))
+        coupled = abs(self.contact.surface.dundurs * float(direction[0]))
         return Station(
             **vars(history),
             point=frames.points[number],
@@ -421,7 +421,7 @@ class _Front:
             k_i_range=cycle_range(history.k_i, cycle),
             reference_length=np.nan if self.lengths is None else float(self.lengths[number]),
             exponent=float(fit.exponent[history.last, number]),
-            oscillation=oscillation(self.contact.dundurs),
+            oscillation=oscillation(self.contact.surface.dundurs),
             coupling=coupled * float(self.contact.friction.max()),
             cycles=cycles,
             stiffening=_stiffening(frames, number, length, depth),

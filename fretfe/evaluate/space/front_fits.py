@@ -52,8 +52,8 @@ class _Rows:
     def __init__(self, contact: ContactHistory, curve: Curve, station: int) -> None:
         sector = curve.sectors[station]
         self._size, self._nodes = sector.size, sector.nodes
-        self._area = contact.weights[sector.nodes] * sector.fade
-        self._inward = contact.frames[sector.nodes, 1:] @ curve.frames.inward[station]
+        self._area = contact.surface.weights[sector.nodes] * sector.fade
+        self._inward = contact.surface.frames[sector.nodes, 1:] @ curve.frames.inward[station]
         self._near = sector.s < NEXT_TO_FRONT * sector.size
         order = np.argsort(sector.s, kind="stable")
         self._order = order[sector.s[order] > -BEGIN * sector.size]
@@ -65,7 +65,7 @@ class _Rows:
         after = np.clip(np.searchsorted(self.x, sector.s), 1, len(self.x) - 1)
         share = (sector.s - self.x[after - 1]) / (self.x[after] - self.x[after - 1])
         self._after, self._share = after, np.clip(share, 0.0, 1.0)
-        self._couple = MissingShear(self.x, contact.dundurs)
+        self._couple = MissingShear(self.x, contact.surface.dundurs)
 
     def tractions(self, traction: Array) -> tuple[Array, Array]:
         """(T, m) pressure and inward shear of the nodes, of tractions (T, N, 3)."""
@@ -120,7 +120,7 @@ def _starts(s: Array, width: float) -> Indices:
 def fit_states(contact: ContactHistory, curve: Curve, states: Indices) -> Array:
     """(k, n, stations) the attributes of fits in n states."""
     stations = range(len(curve.sectors))
-    rows = [_Rows(contact, curve, each) for each in stations] if contact.dundurs else []
+    rows = [_Rows(contact, curve, each) for each in stations] if contact.surface.dundurs else []
     parts = []
     for block in blocks(len(states), contact.traction[0].size):
         traction = np.asarray(contact.mean_traction[states[block]])
@@ -145,7 +145,7 @@ def _unlike_fit(
     """
     pressure, limit = traction[..., 0], contact.friction.max()
     ratios = np.clip([each.ratio(traction) for each in rows], -limit, limit)
-    exponents = sliding_exponent(contact.dundurs, ratios)
+    exponents = sliding_exponent(contact.surface.dundurs, ratios)
     fit = fitter.fit(pressure, exponents.T)
     missing = [
         each.missing(traction, ratio, place)

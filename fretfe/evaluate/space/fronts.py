@@ -121,12 +121,12 @@ class FrontFinder:
     """
 
     def __init__(self, contact: ContactHistory, count: int) -> None:
-        assert contact.facets is not None
-        self._points, self._facets = contact.points, contact.facets
-        self._weights, self._continued = contact.weights, contact.continued
-        self._normals = Normals(contact.points, contact.frames)
-        self._sectors = Sectors(contact.points, contact.facets)
-        self._tree = cKDTree(contact.points)
+        assert contact.surface.facets is not None
+        self._points, self._facets = contact.surface.points, contact.surface.facets
+        self._weights, self._continued = contact.surface.weights, contact.surface.continued
+        self._normals = Normals(contact.surface.points, contact.surface.frames)
+        self._sectors = Sectors(contact.surface.points, contact.surface.facets)
+        self._tree = cKDTree(contact.surface.points)
         self._count = count
 
     def fronts(self, contact: Bools, pressure: Array) -> tuple[SpaceFront, ...]:
@@ -203,11 +203,11 @@ class FrontFinder:
 
 def why_no_fronts(contact: ContactHistory, state: int) -> Withheld:
     """Reason why a contact has no fronts in a state."""
-    assert contact.facets is not None
+    assert contact.surface.facets is not None
     pressed = np.asarray(contact.traction[state][:, 0] > 0)
     if not pressed.any():
         return Withheld(Lack.PARTED, 0, 1)
-    lines = outlines(contact.facets, pressed)
+    lines = outlines(contact.surface.facets, pressed)
     if not lines:
         return Withheld(Lack.NO_BORDER)
     if any(len(line.inside) >= FEWEST_CROSSED[line.closed] for line in lines):

@@ -90,7 +90,7 @@ def half_space_ratios(
     if ellipse is None:
         return _none(NO_ELLIPSE)
     widths = np.full(len(frames.arc), 2 * math.sqrt(ellipse.product))
-    units = rotated(integrals.factors[-1].mean(axis=0), contact.dundurs, widths)
+    units = rotated(integrals.factors[-1].mean(axis=0), contact.surface.dundurs, widths)
     fields = contact.full_stick.fields[int(integrals.areas[-1])]
     # Drivers count by the loads that they carry.
     loads = np.abs(solution.driver_values).max(axis=0)
@@ -149,12 +149,14 @@ class _Forces:
 
 def _resultants(contact: ContactHistory, ellipse: _Ellipse, fields: Array) -> _Forces:
     """Forces of tractions (N, 3, J)."""
-    shear = np.einsum("ntj,ntd->ndj", fields[:, 1:], contact.frames[:, 1:])
-    shear = shear * contact.weights[:, None, None]
+    shear = np.einsum("ntj,ntd->ndj", fields[:, 1:], contact.surface.frames[:, 1:])
+    shear = shear * contact.surface.weights[:, None, None]
     axis = np.cross(*ellipse.basis)
-    arms = np.cross(axis, contact.points - ellipse.centre)
+    arms = np.cross(axis, contact.surface.points - ellipse.centre)
     return _Forces(
-        contact.weights @ fields[:, 0], shear.sum(axis=0), np.einsum("nd,ndj->j", arms, shear)
+        contact.surface.weights @ fields[:, 0],
+        shear.sum(axis=0),
+        np.einsum("nd,ndj->j", arms, shear),
     )
 
 
@@ -198,6 +200,6 @@ def _pressure(contact: ContactHistory, track: FrontTrack) -> float:
     ellipse, outward = _ellipse(frames, place), places[0] - places[1]
     if ellipse is None or not (outward > 0).all():
         return np.nan
-    change = float(np.diff(neighbours.pressure @ contact.weights)[0])
+    change = float(np.diff(neighbours.pressure @ contact.surface.weights)[0])
     k_i = change / (2 * np.pi * ellipse.product) * ellipse.singular
     return float(k_n.sum() / (2 * k_i / outward).sum())

@@ -152,9 +152,12 @@ def _fronts(
     }
     done: dict[tuple[str, int], Station] = {}
     for late in (False, True) if path.cycle else (False,):
-        posed = {key: _pose(path, pair, contact.dundurs, *each, late) for key, each in left.items()}
+        posed = {
+            key: _pose(path, pair, contact.surface.dundurs, *each, late)
+            for key, each in left.items()
+        }
         edges = {key: edge for key, edge in posed.items() if isinstance(edge, _Edge)}
-        histories = _histories(edges.values(), path, contact.dundurs) if edges else None
+        histories = _histories(edges.values(), path, contact.surface.dundurs) if edges else None
         found = solve_edges(histories, share) if histories else []
         for key, reason in posed.items():
             if isinstance(reason, str):

@@ -37,8 +37,8 @@ def follow_patches(
         single one. And (N,) for each node the number of the patch that it has belonged to, from 0;
         -1 if there is none.
     """
-    assert contact.facets is not None
-    source, edges = solution.source, edges_once(triangles(contact.facets))
+    assert contact.surface.facets is not None
+    source, edges = solution.source, edges_once(triangles(contact.surface.facets))
     last = solution.cycle[1] if solution.cycle else len(source) - 1
     followed, states = _Followed(solution, contact, edges), np.unique(source)
     reference = int(source[last])
@@ -71,7 +71,7 @@ class _Followed:
     def __init__(self, solution: Solution, contact: ContactHistory, edges: Indices) -> None:
         self._solution, self._contact, self._edges = solution, contact, edges
         # (N,) patch that each node has belonged to, from 0.
-        self.owner = np.full(len(contact.weights), NONE)
+        self.owner = np.full(len(contact.surface.weights), NONE)
         # P, Q and area in each state, and the patches that it is one with, by state.
         self._carried: list[Array] = []
         self._merged: list[dict[int, set[int]]] = []
@@ -84,7 +84,7 @@ class _Followed:
         if not np.array_equal(area, self._area):
             self._area, self._parts = area, _parts(self._edges, area)
         parts, inside = self._parts, self._parts >= 0
-        loads = np.bincount(parts[inside], (self._contact.weights * traction[:, 0])[inside])
+        loads = np.bincount(parts[inside], (self._contact.surface.weights * traction[:, 0])[inside])
         for part in np.argsort(-loads, kind="stable"):
             nodes = parts == part
             few = np.count_nonzero(nodes) < FEWEST_NODES
@@ -110,7 +110,10 @@ class _Followed:
 
     def _carries(self, traction: Array, nodes: Bools) -> Array:
         """(5,) P, Q and area of some nodes."""
-        weights, tangents = self._contact.weights[nodes], self._contact.frames[nodes, 1:]
+        weights, tangents = (
+            self._contact.surface.weights[nodes],
+            self._contact.surface.frames[nodes, 1:],
+        )
         shear = np.einsum("n,nt,ntd->d", weights, traction[nodes, 1:], tangents)
         return np.concatenate([[weights @ traction[nodes, 0]], shear, [weights.sum()]])
 

@@ -184,12 +184,12 @@ class SlipBetween:
         """(k, N, 3) slip in each step between two states, and (N,) nodes in contact at the end."""
         if (start, end) not in self._read:
             contact, parts = self._contact, []
-            for part in blocks(end - start, contact.points.size):
+            for part in blocks(end - start, contact.surface.points.size):
                 first, last = start + part.start, start + part.stop
                 slipping = contact.status[first + 1 : last + 1] == SLIP
                 slip = np.diff(contact.slip[first : last + 1], axis=0)
                 slip = np.where(slipping[..., None], slip, 0.0)
-                parts.append(np.einsum("knt,ntd->knd", slip, contact.frames[:, 1:]))
+                parts.append(np.einsum("knt,ntd->knd", slip, contact.surface.frames[:, 1:]))
             closed = np.asarray(contact.status[end] != OPEN)
             self._read[start, end] = np.concatenate(parts), closed
         return self._read[start, end]
@@ -211,7 +211,7 @@ class SlipBetween:
             outer: (T,) whether the slip in the step to each state counts; None if all of it does.
             growth: gives the growth of the zone of a half cycle.
         """
-        area = self._contact.weights[sector.nodes]
+        area = self._contact.surface.weights[sector.nodes]
 
         def find(start: int, end: int) -> SlipBorder:
             steps, closed = self.steps(start, end)
@@ -262,11 +262,11 @@ def shear_share(
     traction = contact.traction[state][sector.nodes]
     counted = (sector.s > reach[0]) & (sector.s < reach[1]) & (traction[:, 0] > 0)
     nodes, weights = sector.nodes[counted], sector.fade[counted]
-    weights = weights * contact.weights[nodes]
+    weights = weights * contact.surface.weights[nodes]
     bound = friction * float(weights @ traction[counted, 0])
     if not bound > 0:
         return np.nan
-    shear = np.einsum("nt,ntd->nd", traction[counted, 1:], contact.frames[nodes, 1:])
+    shear = np.einsum("nt,ntd->nd", traction[counted, 1:], contact.surface.frames[nodes, 1:])
     return float(abs(weights @ shear @ axis) / bound)
 
 

@@ -177,7 +177,7 @@ def _near(shown: Shown, edge: Station) -> _Near | None:
 
 def _behind(shown: Shown, near: _Near) -> tuple[Array, Bools, float]:
     """Distances of all nodes from the edge, those up to the half-width that count, and that."""
-    s = inward(near.edge) * (shown.tractions.arc - near.edge.position[near.later])
+    s = inward(near.edge) * (shown.tractions.surface.arc - near.edge.position[near.later])
     half_width = float(shown.summary.half_width[near.later])
     inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
     return s, inside, half_width

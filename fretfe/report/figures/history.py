@@ -244,7 +244,7 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     if last - first < 2 or not solution.keeps(first, last):
         return None
     states, tractions = slice(first, last + 1), shown.tractions
-    count = len(tractions.weights)
+    count = len(tractions.surface.weights)
     closed, means = np.ones(count, dtype=bool), []
     parts = [range(first, last + 1)[part] for part in blocks(last + 1 - first, count)]
     for part in parts:
@@ -256,9 +256,9 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     along, force, name = _shear(shown, states)
     for part in parts:
         moved = np.einsum("tnc,nc->tn", tractions.slip[part[0] : part[-1] + 1], along)
-        means.append(moved @ (tractions.weights * closed))
+        means.append(moved @ (tractions.surface.weights * closed))
     slip = np.concatenate(means)
-    slip = (slip - slip[0]) / shown.tractions.weights[closed].sum()
+    slip = (slip - slip[0]) / shown.tractions.surface.weights[closed].sum()
     cycle = shown.run.loads.cycle is not None
     work = f"{number(shown.summary.dissipation)} {work_unit(shown.run)}"
     when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
@@ -288,10 +288,10 @@ def _shear(shown: Shown, states: slice) -> tuple[Array, Array, str]:
     if not shown.summary.solid:
         line, vectors = shear_line(shown.summary, states), shown.summary.shear_vectors[states]
         name = "Q" if len(line) == 1 else f"Q along {direction_text(np.insert(line, 1, 0.0))}"
-        return np.tile(line, (len(contact.weights), 1)), vectors @ line, name
+        return np.tile(line, (len(contact.surface.weights), 1)), vectors @ line, name
     direction = shear_direction(force)
     name = f"Q along {direction_text(direction)}"
-    return contact.frames[:, 1:] @ direction, force @ direction, name
+    return contact.surface.frames[:, 1:] @ direction, force @ direction, name
 
 
 def work_loop_plots(run: Result) -> list[Plot]:

@@ -150,7 +150,7 @@ def _draw_contact(
     for state, colour in zip(states, (BLUE, VERMILLION), strict=False):
         time = f"t = {solution.times[state]:g} {case.units.time}"
         shown = _around_contact(history, state)
-        x = history.arc[shown]
+        x = history.surface.arc[shown]
         pressure, shear, *along_z = history.mean_traction[state, shown].T
         bound = history.friction[state] * pressure
         panel.plot(x, pressure, color=colour, lw=0.8, ls=":", label=f"p, {time}")
@@ -168,11 +168,13 @@ def _draw_contact(
 
 def _around_contact(history: ContactHistory, state: int) -> Bools:
     """Nodes of the contact at a state and a little beyond."""
-    closed = history.arc[history.traction[state, :, 0] > 0]
+    closed = history.surface.arc[history.traction[state, :, 0] > 0]
     if not len(closed):
-        return np.ones(len(history.arc), dtype=bool)
+        return np.ones(len(history.surface.arc), dtype=bool)
     margin = 0.05 * np.ptp(closed)
-    return (history.arc >= closed[0] - margin) & (history.arc <= closed[-1] + margin)
+    return (history.surface.arc >= closed[0] - margin) & (
+        history.surface.arc <= closed[-1] + margin
+    )
 
 
 def local_plot(shown: Shown) -> Plot | None:
@@ -186,8 +188,8 @@ def local_plot(shown: Shown) -> Plot | None:
     units = shown.run.case.units
     most = int(np.argmax(found.work))
     caption = (
-        f"Most friction work: {number(found.work[most])} {units.force}/{units.length} at "
-        f"x = {number(shown.tractions.arc[most])} {units.length}, where the slip ranges over "
+        f"Most friction work: {number(found.work[most])} {units.force}/{units.length} at x = "
+        f"{number(shown.tractions.surface.arc[most])} {units.length}, where the slip ranges over "
         f"{number(found.slip_range[most])} {units.length}."
     )
     return make_plot(
@@ -200,7 +202,7 @@ def local_plot(shown: Shown) -> Plot | None:
 
 
 def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
-    units, arc = shown.run.case.units, shown.tractions.arc
+    units, arc = shown.run.case.units, shown.tractions.surface.arc
     labels = (f"range of slip [{units.length}]", f"[{units.force}/{units.length}]")
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
     for (top, bottom), _, (low, high) in _edge_columns(panels, shown, labels):
@@ -356,7 +358,7 @@ def draw_envelope(
     if not solution.keeps(*states):
         say(axes, NOT_KEPT)
         return
-    arc = shown.tractions.arc
+    arc = shown.tractions.surface.arc
     slip, closed = _slip_range(shown, states)
     touched = slip > 0
     stuck = closed & (slip <= SMALLEST_SLIP * slip.max(initial=0.0))
@@ -376,7 +378,7 @@ def draw_envelope(
 def _slip_range(shown: Shown, states: tuple[int, int]) -> tuple[Array, Bools]:
     """(N,) range of the slip of each node that is in contact at some time, and of those always."""
     tractions, (first, last) = shown.tractions, states
-    count, line = len(tractions.arc), shear_line(shown.summary, slice(first, last + 1))
+    count, line = len(tractions.surface.arc), shear_line(shown.summary, slice(first, last + 1))
     low, high = np.full(count, np.inf), np.full(count, -np.inf)
     always = np.ones(count, dtype=bool)
     for part in blocks(last - first, count):
@@ -434,7 +436,7 @@ def _draw_slip(figure: Figure, shown: Shown) -> None:
 
 def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
     """Limits of what was in contact at any time, and a little beyond."""
-    arc, known = shown.tractions.arc, positions[np.isfinite(positions)]
+    arc, known = shown.tractions.surface.arc, positions[np.isfinite(positions)]
     touched = np.zeros(len(arc), dtype=bool)
     solution = shown.run.solution
     assert solution is not None
@@ -480,7 +482,7 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     kind = np.where((kind == SLIP) & backward, SLIP + 1, kind)
     frictionless = tractions.friction[steps, None] == 0
     kind = np.where(frictionless & (kind != OPEN), SLIP + 2, kind)
-    arc = tractions.arc
+    arc = tractions.surface.arc
     borders = np.concatenate([[arc[0]], (arc[1:] + arc[:-1]) / 2, [arc[-1]]])
     seen = np.flatnonzero((borders[1:] >= low) & (borders[:-1] <= high))
     if not len(seen):

@@ -72,7 +72,7 @@ def pair_table(run: Result) -> Table | None:
     histories = {each.pair: each for each in run.solution.contacts}
     for name, history in histories.items():
         pair = run.case.bodies[history.body1], run.case.bodies[history.body2]
-        where = run.case.model.plane, history.mean_normal
+        where = run.case.model.plane, history.surface.mean_normal
         beta = dissimilarity(*pair, *where)
         unsigned = "" if all(isotropic(each) for each in pair) else "±"
         table.add_row(

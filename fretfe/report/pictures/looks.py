@@ -308,13 +308,15 @@ def edge_view(
     of the edge on both of them are in the middle: contact is between places that are opposite to
     each other before deformation (small sliding), and a body that slid as a whole would hide that.
     """
-    number = int(np.abs(contact.arc - edge.position).argmin())
-    point = np.array([np.interp(edge.position, contact.arc, x) for x in contact.points.T])
-    element = float(np.diff(contact.arc[max(number - 1, 0) : number + 2]).max())
+    number = int(np.abs(contact.surface.arc - edge.position).argmin())
+    point = np.array(
+        [np.interp(edge.position, contact.surface.arc, x) for x in contact.surface.points.T]
+    )
+    element = float(np.diff(contact.surface.arc[max(number - 1, 0) : number + 2]).max())
     most = LARGEST_VIEW * edge.half_width
     wanted = SLIP_ZONES * edge.slip if edge.slip > 0 else most
     half = max(min(wanted, most), FEWEST_ELEMENTS * element)
-    normal = contact.frames[number, 0, :2]
+    normal = contact.surface.frames[number, 0, :2]
     lower = bodies[contact.body2]
     height = (lower.deformed(1.0)[nearest_node(point, lower)] - point) @ normal
     view = View(point + height * normal, np.array([half, EDGE_ASPECT * half]), normal)
@@ -337,7 +339,7 @@ def _whole(points: Array, contacts: Sequence[ContactHistory]) -> SpaceView:
     Flanks to either side of a blade press it up. Contacts that press against one another alone, as
     on both sides of a plate, are taken one by one.
     """
-    normals = np.array([each.weights @ each.frames[:, 0] for each in contacts])
+    normals = np.array([each.surface.weights @ each.surface.frames[:, 0] for each in contacts])
     together = np.abs(normals.sum(axis=0))
     alone = np.abs(normals).sum(axis=0)
     top = int(np.argmax(together if together.max() > BALANCED * alone.max() else alone))
@@ -362,25 +364,25 @@ def _cut(points: Array, contact: ContactHistory, state: int, whole: SpaceView) -
     """The surroundings of the largest pressure, cut along the tangent with the larger shear."""
     tractions = contact.mean_traction[state]
     place = int(tractions[:, 0].argmax())
-    shears = contact.weights @ np.abs(tractions[:, 1:])
-    centre, (_, *tangents) = contact.points[place], contact.frames[place]
+    shears = contact.surface.weights @ np.abs(tractions[:, 1:])
+    centre, (_, *tangents) = contact.surface.points[place], contact.surface.frames[place]
     along, normal = tangents if shears[0] >= shears[1] else tangents[::-1]
     normal = normal if normal @ whole.viewer >= 0 else -normal
     # The axis that is upright as a whole, or the normal of the contact.
     upright = np.eye(3)[int(np.abs(whole.up).argmax())]
     if abs(upright @ normal) > UPRIGHT:
-        upright = contact.frames[place, 0]
+        upright = contact.surface.frames[place, 0]
     upright = upright - (upright @ normal) * normal
     upright /= np.linalg.norm(upright)
     # A cut in the end face of a body would show none of it.
-    across = (contact.points - centre) @ normal
+    across = (contact.surface.points - centre) @ normal
     margin = FROM_ENDS * float(np.ptp(across))
     centre = centre + np.clip(0.0, across.min() + margin, across.max() - margin) * normal
     side = np.cross(upright, normal)
     side = side if side @ whole.viewer >= 0 else -side
     view = _towards(centre, normal + TILT[0] * upright + TILT[1] * side, upright)
     closed = contact.status[state] != OPEN
-    spread = (contact.points[closed if closed.any() else ~closed] - centre) @ along
+    spread = (contact.surface.points[closed if closed.any() else ~closed] - centre) @ along
     largest = float(np.ptp(points, axis=0).max()) / 2
     half = min(AROUND * max(float(np.abs(spread).max()), 1e-3 * largest), largest)
     return replace(view, half_size=np.array([half, SPACE_ASPECT * half]), cut=normal)

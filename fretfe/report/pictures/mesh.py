@@ -396,18 +396,20 @@ def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> 
 def contact_view(contact: ContactHistory, states: Sequence[int]) -> View:
     """The part of a contact that is closed in any of the states, or all of it if none is."""
     closed = (contact.status[list(states)] != OPEN).any(axis=0)
-    points = contact.points[closed] if closed.any() else contact.points
+    points = contact.surface.points[closed] if closed.any() else contact.surface.points
     middle = len(points) // 2
-    normal = (contact.frames[closed] if closed.any() else contact.frames)[middle, 0, :2]
+    normal = (contact.surface.frames[closed] if closed.any() else contact.surface.frames)[
+        middle, 0, :2
+    ]
     upright = View(points[middle], np.ones(2), normal)
     local = upright.local(points)
     low, high = local.min(axis=0), local.max(axis=0)
     size = (high - low) * (1 + 2 * BORDER)
-    half = max(size[0], size[1] / ASPECT, np.ptp(contact.arc) * 1e-3) / 2
+    half = max(size[0], size[1] / ASPECT, np.ptp(contact.surface.arc) * 1e-3) / 2
     shift = (low + high) / 2
     centre = points[middle] + shift @ np.stack([upright.tangent, normal])
     # The axis has the numbers of the arc, as the results have.
-    arc = (contact.arc[closed] if closed.any() else contact.arc)[middle]
+    arc = (contact.surface.arc[closed] if closed.any() else contact.surface.arc)[middle]
     origin = np.array([arc + shift[0], 0.0])
     return View(centre, np.array([half, ASPECT * half]), normal, origin)
 
@@ -427,7 +429,7 @@ def visible_status(contact: ContactHistory, state: int) -> npt.NDArray[np.int8]:
 def shares_text(contact: ContactHistory, state: int) -> str:
     """Shares of the closed contact that stick and slip."""
     status = visible_status(contact, state)
-    lengths = {kind: contact.weights[status == kind].sum() for kind in (STICK, SLIP)}
+    lengths = {kind: contact.surface.weights[status == kind].sum() for kind in (STICK, SLIP)}
     total = sum(lengths.values())
     if total == 0:
         return "open"
@@ -449,7 +451,7 @@ def _draw_pale_bodies(panel: Axes, bodies: Iterable[BodyMesh], view: View) -> No
 
 def _draw_contact(panel: Axes, contact: ContactHistory, state: int, view: View) -> None:
     """The contact line, in pieces around the nodes that have the same status."""
-    points = view.local(contact.points)
+    points = view.local(contact.surface.points)
     middles = (points[1:] + points[:-1]) / 2
     starts = np.concatenate([points[:1], middles])
     ends = np.concatenate([middles, points[-1:]])

@@ -192,8 +192,8 @@ class Sheet:
 def lay_out(run: Result, name: str, states: Sequence[int]) -> Sheet:
     """The contact `name` as it is shown in some states, the longer side of the contact across."""
     contact = run.contact_history(name)
-    assert contact.facets is not None
-    closed = np.zeros(len(contact.points), dtype=bool)
+    assert contact.surface.facets is not None
+    closed = np.zeros(len(contact.surface.points), dtype=bool)
     pressure = shear = 0.0
     for state in states:
         closed |= contact.status[state] != OPEN
@@ -208,7 +208,7 @@ def lay_out(run: Result, name: str, states: Sequence[int]) -> Sheet:
     low, high = plane.places[shown].min(axis=0), plane.places[shown].max(axis=0)
     # A single row of nodes has no height.
     margin = BORDER * np.maximum(high - low, 0.05 * (high - low).max())
-    facets = contact.facets
+    facets = contact.surface.facets
     parts = facets if facets.shape[1] == 3 else np.vstack([facets[:, :3], facets[:, [0, 2, 3]]])
     triangles = Triangulation(plane.places[:, 0], plane.places[:, 1], parts)
     return Sheet(run, contact, plane, triangles, low - margin, high + margin, pressure, shear)

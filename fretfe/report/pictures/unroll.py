@@ -52,8 +52,8 @@ class Unrolled:
 
         places = np.full((len(points), 2), np.nan)
         known = np.isfinite(points).all(axis=1)
-        nearest = cKDTree(contact.points).query(points[known])[1]
-        offsets = points[known] - contact.points[nearest]
+        nearest = cKDTree(contact.surface.points).query(points[known])[1]
+        offsets = points[known] - contact.surface.points[nearest]
         moved = np.einsum("nad,nd->na", self.axes[nearest], offsets)
         places[known] = self.places[nearest] + moved
         return places
@@ -77,14 +77,14 @@ def _quarter(values: Array, axis: int) -> Array:
 
 def unroll(contact: ContactHistory) -> Unrolled:
     """Lay the surface of a contact of solids into a plane, its first tangent to the right."""
-    shares = contact.weights / contact.weights.sum()
-    normals = contact.frames[:, 0]
-    middle = shares @ contact.points
+    shares = contact.surface.weights / contact.surface.weights.sum()
+    normals = contact.surface.frames[:, 0]
+    middle = shares @ contact.surface.points
     normal = _unit(shares @ normals)
-    first = shares @ contact.frames[:, 1]
+    first = shares @ contact.surface.frames[:, 1]
     first = _unit(first - (first @ normal) * normal)
     directions = np.stack([first, np.cross(normal, first)])
-    offsets = contact.points - middle
+    offsets = contact.surface.points - middle
     flattest = float((normals @ normal).min())
     axis, twist = _axis(normals, shares)
     if flattest < FLAT and flattest > STEEPEST and twist < TWIST:

@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The surface of a contact as all later stages read it: made once, and carried whole."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+
+
+@dataclass(frozen=True, eq=False)
+class ContactSurface:
+    """The N nodes of a contact, of the side that carries the tractions; d coordinates.
+
+    Attributes:
+        arc: (N,) arc length along the surface, increasing in +x; of solids (0,).
+        points: (N, d) coordinates of the nodes before deformation.
+        frames: (N, c, c) rows: outward normal of body 2, tangents; c components of tractions, those
+            of plane bodies that move along z too are 3.
+        weights: (N,) length, or area, that belongs to each node (integral of its hat function).
+        facets: (F, 3 or 4) nodes of the facets of the surface, counter-clockwise seen from outside
+            body 2; None in the plane.
+        free: (N,) nodes on the rim of the surface at which both bodies end; None in the plane.
+        continued: (N, d) unit normals of planes of symmetry behind which both of them go on, at
+            nodes on that rim, in the plane at both ends; zero where the next sector continues
+            them, NaN elsewhere. None in the plane if they end at both ends.
+        dundurs: Dundurs' beta, body 1 above, of solids in plane strain; zero of similar bodies, and
+            where it has no part in the evaluation: without friction, and of crystals.
+    """
+
+    arc: Array
+    points: Array
+    frames: Array
+    weights: Array
+    facets: Indices | None = None
+    free: Bools | None = None
+    continued: Array | None = None
+    dundurs: float = 0.0
+
+    @property
+    def mean_normal(self) -> Array:
+        """(d,) mean unit normal of body 2 over the surface, with as many components as points."""
+        mean: Array = self.weights @ self.frames[:, 0, : self.points.shape[1]]
+        return mean / np.linalg.norm(mean)
