@@ -62,7 +62,7 @@ def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) 
     Raises:
         MeshError: with an estimate of elements and memory, before the mesh is made.
     """
-    from fretfe.mesh.cost import least_memory
+    from fretfe.mesh.cost import MATRICES, least_memory
 
     low_high = gmsh.model.getBoundingBox(-1, -1)
     extent = math.dist(low_high[:3], low_high[3:])
@@ -70,32 +70,48 @@ def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) 
     if extent <= HARMLESS[dimension] * smallest or gmsh.model.mesh.getElementTypes().size:
         return
     memory, few = machine_memory(), dimension == 2 and extent <= FEW_LINES * smallest
+    elements, lines = _most_in_rows(gmsh, growth) if few else (math.inf, 0.0)
+    # Contact surfaces have the finest lines; their tractions need full matrices.
+    dense = 8.0 * MATRICES * (2 * lines) ** 2
+
+    def fits() -> bool:
+        needed = least_memory(elements, dimension) + dense
+        return elements <= MOST_ELEMENTS and needed <= (memory or math.inf)
+
     # Meshes of templates grow from their curves, whose lines take a tenth of the time of triangles.
-    for count in (_most_in_rows, expected_elements) if few else (expected_elements,):
-        elements = count(gmsh, growth)
-        needed = least_memory(elements, dimension)
-        if elements <= MOST_ELEMENTS and needed <= (memory or math.inf):
-            break
-    else:
+    if not fits() and dense <= (memory or math.inf):
+        elements = expected_elements(gmsh, growth)
+    if not fits():
         there = f" (there are {memory / 2**30:.0f} GB)" if memory else ""
+        needed = (least_memory(elements, dimension) + dense) / 2**30
+        along = f", {lines:.1g} of them along a contact" if dense > (memory or math.inf) else ""
         raise MeshError(
             f"{source}: expected at most {MOST_ELEMENTS:.0e} elements that this machine can solve, "
-            f"found sizes that would make about {elements:.1g}, which take "
-            f"{needed / 2**30:.0f} GB of memory or more{there}: make the elements larger, or let "
-            "them grow faster away from the contact. Nothing was meshed"
+            f"found sizes that would make about {elements:.1g}{along}, which take {needed:.0f} GB "
+            f"of memory or more{there}: make the elements larger, or let them grow faster away "
+            "from the contact. Nothing was meshed"
         )
 
 
-def _most_in_rows(gmsh: ModuleType, growth: float) -> float:
+def _most_in_rows(gmsh: ModuleType, growth: float) -> tuple[float, float]:
     """Most triangles of a mesh whose sizes grow from those along its curves, by their lines alone.
 
     Sizes that are some times as large make as many times fewer lines, in whole numbers.
+
+    Returns:
+        Triangles, and the lines of the boundary that has most of them.
     """
     before = gmsh.option.getNumber(FACTOR)
     lines = _count(gmsh, 1, COARSE * before)
+    longest = 0.0
+    for _, group in gmsh.model.getPhysicalGroups(1):
+        curves = gmsh.model.getEntitiesForPhysicalGroup(1, group)
+        counts = (sum(map(len, gmsh.model.mesh.getElements(1, curve)[1])) for curve in curves)
+        # A curve has a line at least, however short it is.
+        longest = max(longest, COARSE * sum(count - 1 for count in counts))
     gmsh.option.setNumber(FACTOR, before)
     gmsh.model.mesh.clear()
-    return COARSE * lines * PER_SQUARE / growth
+    return COARSE * lines * PER_SQUARE / growth, longest
 
 
 def expected_elements(gmsh: ModuleType, growth: float) -> float:

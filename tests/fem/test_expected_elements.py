@@ -53,3 +53,21 @@ def test_coarse_meshes_that_fail_are_no_fault_of_the_mesh() -> None:
         assert expected_elements(gmsh, 0.15) == 0.0
         gmsh.model.mesh.generate(2)
         assert gmsh.model.mesh.getElements(2)[1][0].size > 100
+
+
+@pytest.mark.parametrize(
+    ("name", "sizes"),
+    [
+        ("cylinder", {"size": 1e-4}),
+        ("wedge", {"size": 1e-4}),
+        ("flat_rounded", {"edge_size": 1e-4, "flat_size": 1e-4}),
+    ],
+)
+def test_contacts_of_too_many_lines_are_refused_before_anything_is_meshed(
+    name: str, sizes: dict[str, float], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """2 mm of contact have 20 000 lines: full matrices of 40 000 tractions, 66 GB by themselves."""
+    monkeypatch.setattr(expected, "machine_memory", lambda: 16.0 * 2**30)
+    monkeypatch.setattr(expected, "expected_elements", lambda *_: pytest.fail("meshed"))
+    with pytest.raises(MeshError, match=r"[12]e\+04 of them along a contact.*Nothing was meshed"):
+        mesh_template(find_template(name), sizes, 1)
