@@ -14,12 +14,12 @@ import signal
 import time
 import tomllib
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from fretfe.backends import (
     Backend,
@@ -36,7 +36,14 @@ from fretfe.case import Case, as_written, case_text
 from fretfe.case.loads import FieldLoad
 from fretfe.case.overrides import by_key
 from fretfe.environment import memory_shortage, missing_package, versions
-from fretfe.errors import FretfeError, MemoryShortError, ModelError, OutputError, StoppedError
+from fretfe.errors import (
+    FaultError,
+    FretfeError,
+    MemoryShortError,
+    ModelError,
+    OutputError,
+    StoppedError,
+)
 from fretfe.faults import (
     Collected,
     Fault,
@@ -53,8 +60,9 @@ from fretfe.results.field_files import FIELDS
 from fretfe.results.hdf5_file import STRESSES
 from fretfe.results.model import Result
 from fretfe.results.reader import read_result
-from fretfe.results.run_folder import FINISHED, LOCK, MARK, locked, read_mark, write_mark
+from fretfe.results.run_folder import FINISHED, KEY, LOCK, MARK, locked, read_mark, write_mark
 from fretfe.results.writer import (
+    NUMBERS,
     PICTURES,
     RESULT_FILES,
     SWEEP_FILES,
@@ -231,9 +239,15 @@ class Work:
         if self._written == this:
             return
         self._note("writing results", step=len(result.loads.times) - 1)
-        write_results(self.directory, result)
+        guarded(NUMBERS, partial(write_results, self.directory, result), self._unwritten)
         self._written = this
         self._note("solving")
+
+    def _unwritten(self, fault: Fault) -> NoReturn:
+        raise FaultError(
+            f"{self.directory / NUMBERS}: not written: {fault.reason}. The steps that were solved "
+            "are kept: the same command with --resume goes on from them"
+        )
 
     def close(self, result: Result) -> None:
         """Write the numbers of the last result and say that it is all.
@@ -282,6 +296,13 @@ class Work:
             self._note("solving", reason=reason)
         except OutputError:
             return
+
+    def fail_elsewhere(self, reason: str) -> None:
+        """As `fail`, on a process of which the first one does not know that it has failed."""
+        with suppress(OutputError):
+            if (mark := read_mark(self.directory)) is not None:
+                del mark[KEY]
+                write_mark(self.directory, {**mark, "reason": reason})
 
     def _cannot(self, error: OSError) -> OutputError:
         return OutputError(f"{self.directory}: cannot be written: {disk_reason(error)}")
@@ -594,8 +615,11 @@ class Runner:
                     work.fail(str(error))
                 raise
             except Exception as error:
-                if self.processes.rank == 0:
-                    work.fail(f"fretfe itself failed ({said(error)})")
+                reason = f"fretfe itself failed ({said(error)})"
+                if self.processes.rank > 0:
+                    work.fail_elsewhere(reason)
+                else:
+                    work.fail(reason)
                     write_traceback(work.directory, "run", trace_of(error))
                 raise
 

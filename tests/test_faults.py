@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 from drawn import write_folder
+from pad_cases import cylinder, pad_text, press, shear
 from typer.testing import CliRunner, Result
 
 from fretfe.backends import halfplane
@@ -23,8 +24,9 @@ from fretfe.errors import FaultError, OutputError
 from fretfe.evaluate.plane.evaluate import _Edges
 from fretfe.evaluate.plane.section import PlaneFront
 from fretfe.faults import FAULTS, CollectiveError, collecting, guarded
+from fretfe.halfplane import solver
 from fretfe.halfplane.solver import HalfPlaneOutcome
-from fretfe.history.stream import Storage
+from fretfe.history.stream import STATES, Storage
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.report.pictures import folder as pictures
 from fretfe.report.theme import Plot
@@ -32,38 +34,13 @@ from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result as Run
 from fretfe.results.reader import load_result
 from fretfe.results.run_folder import MARK
+from fretfe.results.writer import NUMBERS, as_numbers
 from fretfe.runner import draw_report
 
-CASE = """
-[geometry]
-template = "cylinder"
-parameters = { upper_radius = 50, upper_width = 12, lower_radius = 0, lower_width = 12, size = 0.1 }
-[bodies]
-upper = { young = 210e3, poisson = 0.3 }
-lower = { young = 210e3, poisson = 0.3 }
-[contacts.main]
-surface1 = "upper_contact"
-surface2 = "lower_contact"
-friction = 0.4
-friction_from = 1.0
-[supports]
-base = { boundary = "lower_bottom", fix = ["x", "y"] }
-[loads.press]
-type = "platen"
-boundary = "upper_top"
-direction = "y"
-control = "force"
-history = [{ ramp = -600, until = 1, steps = 2 }]
-[loads.shear]
-type = "platen"
-boundary = "upper_top"
-direction = "x"
-control = "force"
-history = [
-  { hold = true, until = 1 },
-  { wave = "sine", amplitude = 60, period = 1, cycles = 1, steps_per_cycle = 4 },
-]
-"""
+CASE = pad_text(
+    geometry=cylinder(size=0.1),
+    loads={"press": press(steps=2), "shear": shear(cycles=1, steps=4)},
+)
 # Where an error is made, and what is unknown for it.
 EVALUATION = {
     "fretfe.evaluate.evaluate.separate_patches": "patches of the contacts",
@@ -288,18 +265,23 @@ def test_a_full_disk_behind_the_results_has_its_exit_code(
     assert "OutputError" not in done.output
 
 
-def test_the_way_from_the_steps_to_the_numbers_fails_as_a_whole(
+def test_steps_are_kept_where_the_numbers_cannot_be_written(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """What no guard holds ends the run as ever, but the folder says so."""
+    """The folder says why there are none, and the same command goes on from the last step."""
+    monkeypatch.setattr(halfplane, "solve_half_planes", solver.solve_half_planes)
     monkeypatch.setattr("fretfe.results.writer.as_numbers", broken)
-    done = run(tmp_path, "--no-report")
-    assert isinstance(done.exception, ZeroDivisionError)
-    mark = json.loads((tmp_path / "out" / MARK).read_text())
-    assert mark["reason"] == "fretfe itself failed (ZeroDivisionError: division by zero)"
-    assert "Traceback" in (tmp_path / "out" / FAULTS).read_text("utf-8")
-    monkeypatch.undo()
-    assert CliRunner().invoke(app, ["report", str(tmp_path / "out")]).exit_code != 0
+    done, out = run(tmp_path, "--no-report"), tmp_path / "out"
+    assert isinstance(done.exception, FaultError) and done.exception.exit_code == 9
+    mark = json.loads((out / MARK).read_text())
+    assert mark["reason"] == str(done.exception)
+    start = f"{out / NUMBERS}: not written: fretfe itself failed (ZeroDivisionError"
+    assert mark["reason"].startswith(start)
+    assert "Traceback" in (out / FAULTS).read_text("utf-8")
+    assert not (out / NUMBERS).exists() and any((out / STATES).iterdir())
+    monkeypatch.setattr("fretfe.results.writer.as_numbers", as_numbers)
+    assert run(tmp_path, "--no-report", "--resume").exit_code == 0
+    assert load_result(out).contacts[0].normal_force[-1] == pytest.approx(600, rel=1e-9)
 
 
 def test_guards_raise_what_is_not_theirs(tmp_path: Path) -> None:

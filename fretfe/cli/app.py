@@ -113,22 +113,23 @@ def _run() -> None:
     try:
         app()
     except FretfeError as error:
-        _finish(error.exit_code, f"fretfe: error: {error}")
+        short = isinstance(error, MemoryShortError)
+        _finish(error.exit_code, f"fretfe: error: {error}", alone=short)
     except Exception as error:
         if reason := memory_shortage(error):
-            _finish(MemoryShortError.exit_code, f"fretfe: error: {reason}")
+            _finish(MemoryShortError.exit_code, f"fretfe: error: {reason}", alone=True)
         if reason := missing_package(error):
             _finish(DependencyError.exit_code, f"fretfe: error: {reason}")
         if reason := missing_folder():
             _finish(OutputError.exit_code, f"fretfe: error: {reason}")
-        _finish(1, traceback.format_exc())
+        _finish(1, traceback.format_exc(), alone=True)
 
 
-def _finish(code: int, message: str) -> None:
+def _finish(code: int, message: str, *, alone: bool = False) -> None:
     """Print a message once and end this process, or all of them if only this one failed.
 
-    An error of the user is raised on every rank, and the first one reports it. Anything else may
-    have happened on one rank alone, and the others would wait for it for ever.
+    An error of the user is raised on every rank, and the first one reports it. With `alone` it may
+    have happened on one rank only, and the others would wait for it for ever.
     """
     communicator = _communicator()
     if communicator is None or communicator.size == 1:
@@ -137,7 +138,7 @@ def _finish(code: int, message: str) -> None:
             time.sleep(ALIKE)
         print(message, file=sys.stderr, flush=True)
         sys.exit(code)
-    if code in (1, MemoryShortError.exit_code):
+    if alone:
         print(f"rank {communicator.rank}: {message}", file=sys.stderr, flush=True)
         communicator.Abort(code)
     if communicator.rank == 0:

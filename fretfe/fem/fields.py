@@ -19,7 +19,7 @@ from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import ElasticBody, stress_pairs
 from fretfe.fem.model import Model, Request, Share
-from fretfe.fem.parallel import Lead, share_out
+from fretfe.fem.parallel import Lead, agreed, share_out
 from fretfe.fem.probes import Probe, measure
 from fretfe.files import disk_reason
 from fretfe.local.problem import Batch, EdgeSlip
@@ -126,7 +126,7 @@ class Recovery:
         # More ranks than batches: the last ones have nothing to do.
         groups = share_out([batch.work for batch in batches], min(comm.size, len(batches)))
         mine = groups[comm.rank][0] if comm.rank < len(groups) else ()
-        own = {number: batches[number].solve() for number in mine}
+        own = agreed(comm, lambda: {number: batches[number].solve() for number in mine})
         found = dict(ChainMap(*(comm.gather(own) or [])))
         return [found[number] for number in range(len(batches)) if found]
 

@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import gc
+import math
 import signal
 import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
+from functools import partial
 from types import TracebackType
 from typing import Generic, Literal, TypeVar, overload
 
@@ -16,8 +18,9 @@ import dolfinx.mesh
 import numpy as np
 
 from fretfe.backends import Observer
-from fretfe.errors import FretfeError
-from fretfe.faults import CollectiveError
+from fretfe.environment import memory_shortage
+from fretfe.errors import FretfeError, MemoryShortError
+from fretfe.faults import CollectiveError, note_fault, said, trace_of
 from fretfe.fem._compat import MPI, PETSc
 
 T = TypeVar("T")
@@ -25,9 +28,14 @@ Subject = TypeVar("Subject")
 
 # How long waiting ranks sleep before they look again (s), and as a part of their waiting so far.
 LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
-
+# How long a rank with an error waits for the others to come to the same place: so long (s), and
+# so many times what its work took. Those that wait for this one never come.
+LEAST_PATIENCE, PATIENCE = 10.0, 5.0
 # Splitting a communicator costs one of a limited number of them: splits are kept.
 _SPLITS: dict[tuple[int, tuple[int, ...]], MPI.Comm] = {}
+# Copies of communicators on which ranks agree upon errors: what an error has left unfinished on the
+# communicator itself is not taken for that.
+_AGREEING: dict[int, MPI.Comm] = {}
 # Of the messages that carry a signal to rank 0.
 TAG = 143
 
@@ -47,8 +55,7 @@ def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: Literal[False]) -> 
 def on_root(comm: MPI.Comm, work: Callable[[], T], *, share: bool = True) -> T | None:
     """Do `work` on rank 0 and give its result to all ranks. Collective.
 
-    A `FretfeError` that `work` raises on rank 0 is raised on every rank; any other exception is
-    raised on rank 0 only and has to end the whole run.
+    An error that `work` raises on rank 0 ends it on every rank, with the same message.
 
     Args:
         comm: communicator.
@@ -66,6 +73,10 @@ class _End(Generic[T]):
     failure: FretfeError | None = None
 
 
+class RankError(Exception):
+    """An error of fretfe on another rank; a note has its traceback."""
+
+
 class Lead(Generic[Subject]):
     """Rank 0 works alone, the others wait; all do together what rank 0 asks them for meanwhile.
 
@@ -81,6 +92,7 @@ class Lead(Generic[Subject]):
         self, comm: MPI.Comm, subject: Subject, waiting: Callable[[], None] = _nothing
     ) -> None:
         self._comm, self._subject, self._waiting = comm, subject, waiting
+        _agreeing(comm)
 
     @overload
     def run(self, work: Callable[[], T]) -> T: ...
@@ -97,6 +109,11 @@ class Lead(Generic[Subject]):
                 end = _End(work())
             except FretfeError as error:
                 end = _End(failure=error)
+            except Exception as error:
+                # Of a `CollectiveError` others do not know: they wait for something else.
+                if self._comm.size == 1 or isinstance(error, CollectiveError):
+                    raise
+                end = _End(failure=_end_of_all(error))
             self._tell(end if share else replace(end, result=None))
         if end.failure is not None:
             raise end.failure
@@ -110,15 +127,7 @@ class Lead(Generic[Subject]):
             own: further arguments, on rank 0 only.
         """
         self._tell(question)
-        try:
-            return question(self._subject, **own)
-        except FretfeError:
-            raise
-        except Exception as error:
-            # Others may wait in the middle of the question: none may go on as if it had an answer.
-            if self._comm.size > 1:
-                raise CollectiveError(f"rank 0: {type(error).__name__}: {error}") from error
-            raise
+        return agreed(self._comm, lambda: question(self._subject, **own))
 
     def _tell(self, message: object) -> None:
         _wait_for_all(self._comm, _nothing)
@@ -132,17 +141,85 @@ class Lead(Generic[Subject]):
             if isinstance(message, _End):
                 return message
             # Raised on rank 0 as well, which decides what follows from it.
-            with suppress(FretfeError):
-                message(self._subject)
+            with suppress(FretfeError, RankError):
+                agreed(self._comm, partial(message, self._subject))
 
 
-def _wait_for_all(comm: MPI.Comm, waiting: Callable[[], None]) -> None:
-    """Until all ranks come here too. MPI's own waiting takes a core, which the work may need."""
+def _agreeing(comm: MPI.Comm) -> MPI.Comm:
+    """The copy of a communicator for errors. Collective when it is asked for first."""
+    key = comm.py2f()
+    if key not in _AGREEING:
+        _AGREEING[key] = comm.Dup()
+    return _AGREEING[key]
+
+
+def together(comm: MPI.Comm, work: Callable[[], T]) -> T:
+    """Do `work` on all ranks; an error of one ends it on all, with the same message. Collective."""
+    try:
+        return agreed(comm, work)
+    except RankError as error:
+        raise _end_of_all(error) from error
+
+
+def agreed(comm: MPI.Comm, work: Callable[[], T]) -> T:
+    """Do `work` on all ranks; an error of one is raised on all once all have ended it. Collective.
+
+    Raises:
+        FretfeError: the first one.
+        RankError: if fretfe failed on a rank; on one rank alone its error itself.
+        CollectiveError: if fretfe failed here, and others do not come: they wait in the middle.
+    """
+    if comm.size == 1:
+        return work()
+    agreeing = _agreeing(comm)
+    begin, results, error = time.perf_counter(), list[T](), None
+    try:
+        results.append(work())
+    except Exception as caught:
+        error = caught
+    patience = LEAST_PATIENCE + PATIENCE * (time.perf_counter() - begin)
+    if not _wait_for_all(agreeing, _nothing, math.inf if error is None else patience):
+        raise CollectiveError(f"rank {comm.rank} failed while others wait for it") from error
+    told = agreeing.allgather(None if error is None else _for_others(comm.rank, error))
+    if failures := [each for each in told if each is not None]:
+        raise failures[0] from error
+    return results[0]
+
+
+def _for_others(rank: int, error: Exception) -> FretfeError | RankError:
+    """What other ranks raise for an error of this one."""
+    if isinstance(error, FretfeError):
+        return error
+    if shortage := memory_shortage(error):
+        return MemoryShortError(shortage)
+    told = RankError(f"rank {rank}: {said(error)}")
+    told.add_note(trace_of(error))
+    return told
+
+
+def _end_of_all(error: Exception) -> FretfeError:
+    """What all ranks raise for an error of fretfe on rank 0, whose traceback is kept."""
+    if shortage := memory_shortage(error):
+        return MemoryShortError(shortage)
+    fault = note_fault("run", said(error), trace_of(error))
+    return FretfeError(
+        f"{fault.reason}. The steps that were solved are kept: --resume goes on from them"
+    )
+
+
+def _wait_for_all(comm: MPI.Comm, waiting: Callable[[], None], limit: float = math.inf) -> bool:
+    """Until all ranks come here too, or so many seconds; True if they have come.
+
+    MPI's own waiting takes a core, which the work may need.
+    """
     start = time.perf_counter()
     arrival = comm.Ibarrier()
     while not arrival.Test():
+        if time.perf_counter() - start > limit:
+            return False
         waiting()
         time.sleep(min(LONGEST_SLEEP, SLEEP_FRACTION * (time.perf_counter() - start)))
+    return True
 
 
 def release(meshes: list[dolfinx.mesh.Mesh]) -> None:
@@ -218,22 +295,6 @@ def _split(comm: MPI.Comm, colours: tuple[int, ...]) -> MPI.Comm:
     if key not in _SPLITS:
         _SPLITS[key] = comm.Split(colours[comm.rank], comm.rank)
     return _SPLITS[key]
-
-
-def together(comm: MPI.Comm, work: Callable[[], T]) -> T:
-    """Do work in all groups; an error in one of them is raised on every rank. Collective."""
-    result: T | None = None
-    failure: FretfeError | None = None
-    try:
-        result = work()
-    except FretfeError as error:
-        failure = error
-    _wait_for_all(comm, _nothing)
-    failures = [each for each in comm.allgather(failure) if each is not None]
-    if failures:
-        raise failures[0]
-    assert result is not None
-    return result
 
 
 class SharedStop(Observer):

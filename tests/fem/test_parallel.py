@@ -4,16 +4,16 @@
 from __future__ import annotations
 
 import time
-from contextlib import nullcontext
 from functools import partial
 from pathlib import Path
 
 import pytest
 
-from fretfe.errors import ModelError
-from fretfe.faults import CollectiveError, collecting, guarded
+from fretfe.errors import FretfeError, ModelError
+from fretfe.faults import FAULTS, CollectiveError, collecting, guarded
+from fretfe.fem import parallel
 from fretfe.fem._compat import MPI
-from fretfe.fem.parallel import Lead, on_root
+from fretfe.fem.parallel import Lead, agreed, on_root, together
 
 COMM = MPI.COMM_WORLD
 
@@ -59,6 +59,11 @@ class Part:
         """Fail in a way that nobody has foreseen."""
         raise ZeroDivisionError
 
+    def crash_on(self, ranks: set[int]) -> None:
+        """The same on some ranks alone."""
+        if COMM.rank in ranks:
+            self.crash()
+
 
 @pytest.mark.mpi
 def test_all_ranks_answer_what_rank_0_asks_meanwhile() -> None:
@@ -72,24 +77,52 @@ def test_all_ranks_answer_what_rank_0_asks_meanwhile() -> None:
 
 
 @pytest.mark.mpi
-def test_guards_hold_errors_of_rank_0_but_not_of_what_all_do(tmp_path: Path) -> None:
-    """Others may wait in the middle of a question that fails; outside they wait for the next."""
+@pytest.mark.parametrize("ranks", [{0}, {1}, {0, 1}])
+def test_guards_hold_errors_that_all_ranks_know_of(tmp_path: Path, ranks: set[int]) -> None:
+    """In what rank 0 does alone, and in what all do, wherever it fails."""
     lead = Lead(COMM, Part())
 
-    def work() -> int | None:
+    def work() -> int:
         guarded("alone", Part().crash, lambda _: None)
+        guarded("together", lambda: lead.ask(partial(Part.crash_on, ranks=ranks)), lambda _: None)
         return lead.ask(partial(Part.sum, times=2))
 
     with collecting(tmp_path) as found:
         assert lead.run(work) == COMM.size * (COMM.size + 1)
-        assert len(found.faults) == (COMM.rank == 0)
+    fails = min(ranks) < COMM.size
+    places = ["alone", *["together"] * fails] if COMM.rank == 0 else []
+    assert [fault.place for fault in found.faults] == places
+    if COMM.rank == 0 and fails and COMM.size > 1:
+        assert found.faults[1].error == f"RankError: rank {min(ranks)}: ZeroDivisionError"
+        assert "in crash" in (tmp_path / FAULTS).read_text()
 
-        def question() -> None:
-            guarded("together", lambda: lead.ask(Part.crash), lambda _: None)
 
-        error = ZeroDivisionError if COMM.rank else CollectiveError
-        with pytest.raises(error) if COMM.size > 1 else nullcontext():
-            lead.run(question)
+@pytest.mark.mpi
+def test_errors_without_a_guard_end_all_ranks_with_one_message(tmp_path: Path) -> None:
+    if COMM.size == 1:
+        pytest.skip("one rank alone has its own traceback")
+    with collecting(tmp_path), pytest.raises(FretfeError) as ended:
+        Lead(COMM, Part()).run(Part().crash)
+    assert COMM.allgather(str(ended.value)) == [str(ended.value)] * COMM.size
+    assert "fretfe itself failed (ZeroDivisionError): please report" in str(ended.value)
+    with pytest.raises(FretfeError, match=f"rank {COMM.size - 1}: ZeroDivisionError"):
+        together(COMM, Part().crash if COMM.rank == COMM.size - 1 else lambda: None)
+
+
+@pytest.mark.mpi
+def test_a_rank_that_others_wait_for_does_not_wait_for_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Rank 0 is in the middle of the work, where it cannot be reached: the run has to end."""
+    if COMM.size != 2:
+        pytest.skip("made for two ranks")
+    monkeypatch.setattr(parallel, "LEAST_PATIENCE", 0.1)
+    twice = COMM.Dup()  # what is left waiting here is not waited for elsewhere
+    Lead(twice, Part())
+    if COMM.rank == 1:
+        with pytest.raises(CollectiveError, match="rank 1 failed while others wait"):
+            agreed(twice, Part().crash)
+    COMM.barrier()
 
 
 @pytest.mark.mpi
