@@ -243,7 +243,7 @@ def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
     which = "in the evaluated cycle" if len(states) > 1 else "at the end"
     yield (
         f"the bodies do not touch {which}, though they did before: the contact carries no force "
-        f"there, and has no edges; the smallest gap is {gap:.3g}. Either the loads lift them off, "
+        f"there, and has no edges; the smallest gap is {max(gap, 0.0):.3g}. Either the loads lift them off, "
         "and another cycle is to be evaluated, or what should press them together ends too early"
     )
 
@@ -306,7 +306,7 @@ def _never_touch(smallest: float, weights: Array, dimension: int) -> str:
         dimension: of the bodies.
     """
     hint = untouched_hint(smallest, weights, dimension)
-    return f"the surfaces never touch; the smallest gap is {smallest:.4g}. {hint}"
+    return f"the surfaces never touch; the smallest gap is {max(smallest, 0.0):.4g}. {hint}"
 
 
 def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:

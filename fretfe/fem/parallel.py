@@ -179,7 +179,8 @@ def agreed(comm: MPI.Comm, work: Callable[[], T]) -> T:
         error = caught
     patience = LEAST_PATIENCE + PATIENCE * (time.perf_counter() - begin)
     if not _wait_for_all(agreeing, _nothing, math.inf if error is None else patience):
-        raise CollectiveError(f"rank {comm.rank} failed while others wait for it") from error
+        reason = "" if error is None else said(error)
+        raise CollectiveError(f"rank {comm.rank}, which others wait for: {reason}") from error
     told = agreeing.allgather(None if error is None else _for_others(comm.rank, error))
     if failures := [each for each in told if each is not None]:
         raise failures[0] from error

@@ -486,7 +486,7 @@ def _require_contact(recorder: Recorder, dimension: int) -> None:
         f"nothing but contact holds {' and '.join(repr(name) for name in adrift)}, which gave way: "
         "support it, or press it against the other body with a force"
         if adrift and recorder.smallest_gap <= recorder.gap_round_off
-        else f"the smallest gap on the way was {recorder.smallest_gap:.6g}. "
+        else f"the smallest gap on the way was {max(recorder.smallest_gap, 0.0):.6g}. "
         + untouched_hint(recorder.smallest_gap, weights, dimension)
     )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")

@@ -499,6 +499,8 @@ def _generated(level: Level, card: Card, instance: str | None) -> list[int]:
         if len(values) not in (2, 3):
             raise ValueError(f"expected first, last and perhaps step, found {', '.join(row)}")
         first, last, step = (*values, "1")[:3]
+        if not step.isdecimal() or not int(step):
+            raise ValueError(f"expected a step of 1 or more, found {step}")
         members = range(level.number(first, instance), level.number(last, instance) + 1, int(step))
         if len(members) > MOST_MEMBERS:
             raise ValueError(f"a set of {len(members)} is larger than any mesh")

@@ -85,7 +85,7 @@ def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, 
         if _constant_normal(result):
             variants.append(Variant(MEAN, case, shifted(result.loads)))
         else:
-            reasons[MEAN] = "the normal load varies: another mean is another cycle"
+            reasons[MEAN] = "the pressure at the edges varies: another mean is another cycle"
         variants.append(Variant(START, case, overloaded(result.loads)))
     mesh = FINE if _few_elements(result) else MESH
     other = resized(case, MESHES[mesh])

@@ -207,7 +207,9 @@ def limit_rows(result: Result) -> Iterator[Row]:
     for limit in result.limits:
         at = Place(limit.contact or "all")
         if math.isnan(limit.found):
-            yield at.missing(limit.quantity, "not measured: no evaluated cycle or no ΔK_T")
+            cycle = result.loads.cycle is not None
+            why = "ΔK_T is unknown, or none" if cycle else "no evaluated cycle"
+            yield at.missing(limit.quantity, f"not measured: {why}")
             continue
         reason = f"limit of the model; beyond it {limit.consequence}"
         yield at.compared(limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
