@@ -146,8 +146,8 @@ def test_one_edge_costs_not_the_other(
     assert left.last_k_n == pytest.approx(sound.contacts[0].stations[0].last_k_n, rel=1e-12)
     assert np.isnan(right.last_k_n).all() and np.isnan(right.reported_range)
     assert any(
-        text.startswith("right edge: unknown, because fretfe itself failed (ZeroDivisionError")
-        for text in load_result(out).contacts[0].warnings
+        each.sentence.startswith("right edge: unknown, because fretfe itself failed (ZeroDivisionE")
+        for each in load_result(out).contacts[0].warnings
     )
 
 

@@ -12,6 +12,7 @@ import pytest
 import solid_runs
 
 from fretfe._typing import Array, Indices
+from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Front, RangeSpread, SlipZone
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.slip import SlipBorder
@@ -309,7 +310,7 @@ def test_patches_are_told_apart_and_followed() -> None:
         "known there"
     )
     assert "no fronts" in found.patches[2].reason
-    assert sum(text.startswith(f"patch {name}[") for text in found.warnings) == 3
+    assert sum(each.kind is Kind.PATCH_FORCES for each in found.warnings) == 3
     (steps,) = StepEnds(solution.times, np.array([0, 2, 4])).contacts(solution, [found])
     np.testing.assert_array_equal(steps.patches[0].normal_force, one[[0, 2, 4]])
 
@@ -483,7 +484,7 @@ def test_a_contact_that_nearly_slides_says_why_factors_are_missing() -> None:
     solution, contact = solved(*grid(), [hertz(1.0, 1.0)] * 2, lambda x, _: 0 * x + 1.0)
     tracks = {contact.name: follow_fronts(solution, contact, STATIONS)}
     (area,) = evaluate(replace(solution, cycle=(1, 2)), tracks=tracks)
-    (text,) = [each for each in area.warnings if each.startswith("front 1")]
+    (text,) = [each.text for each in area.warnings if each.subject.front == "front 1"]
     assert f"not told at {STATIONS} of {STATIONS} stations, as " in text
     assert "The contact nearly slides: of 3.61 in contact 0 sticks in state 2" in text
 
@@ -500,7 +501,7 @@ def test_a_front_beside_the_fine_mesh_is_told(inner: float) -> None:
     solution, contact = solved(points, facets, [field] * 2)
     tracks = {contact.name: follow_fronts(solution, contact, STATIONS)}
     (area,) = evaluate(solution, tracks=tracks)
-    told = [each for each in area.warnings if "the fine mesh ends before this front" in each]
+    told = [each.text for each in area.warnings if each.kind is Kind.BESIDE_FINE_MESH]
     assert len(told) == (2 if inner == 0.5 else 0)
     if told:
         assert "elements are 0.11 long there, and 0.029 from 0.18 further in" in told[0]

@@ -24,6 +24,7 @@ LAYERS = (
     "fretfe.results.run_folder",
     "fretfe.environment",
     "fretfe.faults",
+    "fretfe.caution",
     "fretfe.terminal",
     "fretfe.console",
     "fretfe._core",

@@ -39,6 +39,7 @@ from fretfe.analytic.profiles import (
     edge_factor_k_n,
 )
 from fretfe.case import changed, parse_case
+from fretfe.caution import Kind
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, ModelError
 from fretfe.evaluate.contacts import Station
@@ -460,12 +461,11 @@ def test_a_station_of_solids_is_read(sphere: Result) -> None:
     assert [target.k_n, target.k_t_range] == pytest.approx([K_N, 2 * SHEAR * LIMIT])
     assert [target.half_width, target.stiffening] == [1.0, 2.0]
     assert target.k_angle == station.k_angle and abs(target.k_angle) == pytest.approx(50, abs=1)
-    assert f"varies most, {station.k_angle:.0f}° from inward; that of a test is inward" in " ".join(
-        target.warnings
-    )
-    assert "turns" not in " ".join(target.warnings)
+    (direction,) = (each for each in target.warnings if each.kind is Kind.TARGET_DIRECTION)
+    assert f"varies most, {station.k_angle:.0f}° from inward" in direction.text
+    assert Kind.TARGET_TURNS not in {each.kind for each in target.warnings}
     turned = read_target(at_station(sphere, 1, turning=0.3), "main.1.1")
-    assert any("range across that direction is 30%" in text for text in turned.warnings)
+    assert any("range across that direction is 30%" in each.text for each in turned.warnings)
 
 
 @pytest.mark.parametrize("number", range(12))

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from fretfe.analytic._numerics import Side
+from fretfe.caution import Kind
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.cycles import slip_reversals
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
@@ -216,6 +217,7 @@ def test_bodies_that_have_parted_are_told() -> None:
     )
     times = np.arange(float(STATES))
     solution = SimpleNamespace(cycle=(2, 3), times=times, values=times[:, None])
-    text, *_ = plane_warnings(solution, parted, (), [np.nan])  # type: ignore[arg-type]
-    assert "do not touch in the evaluated cycle, though they did before: the contact" in text
-    assert "the smallest gap is 0.1" in text
+    told, *_ = plane_warnings(solution, parted, (), [np.nan])  # type: ignore[arg-type]
+    assert told.kind is Kind.PARTED
+    assert "do not touch in the evaluated cycle, though they did before: the contact" in told.text
+    assert "the smallest gap is 0.1" in told.text

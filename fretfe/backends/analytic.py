@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -18,6 +19,7 @@ from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.halfplane import size_limits, with_size_errors
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
+from fretfe.caution import Caution, Kind, Subject
 from fretfe.contact.march import LARGEST_MOVE, TOLERATED
 from fretfe.evaluate.contacts import (
     Contact,
@@ -308,7 +310,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[Contact, set[str]]:
         steady=problem.history.cycle is not None,
         dissipation=dissipation,
         dissipation_change=np.nan,
-        warnings=_warnings(problem, contact, stations, used),
+        warnings=tuple(_warnings(problem, contact, stations, used)),
     ), used
 
 
@@ -383,19 +385,18 @@ def _dissipation(
 
 def _warnings(
     problem: HalfPlaneProblem, contact: TiltedContact, stations: list[Station], used: set[str]
-) -> tuple[str, ...]:
+) -> Iterator[Caution]:
     if ASYMPTOTE not in used:
-        return ()
+        return
     half_width = float((contact.right[-1] - contact.left[-1]) / 2)
     length = governing_length(problem, half_width)
     longest = max(zone.length for station in stations for zone in station.slip_zones[-2:])
-    if longest <= LONG_SLIP_ZONE * length:
-        return ()
-    return (
-        f"the longest slip zone is {longest / length:.2g} of the length over which the edge "
-        "description holds: the asymptote may be wrong by more than 10 %, use the backend "
-        "'halfplane'",
-    )
+    if longest > LONG_SLIP_ZONE * length:
+        text = (
+            f"the longest slip zone is {longest / length:.2g} of the length over which the edge "
+            "description holds"
+        )
+        yield Caution(Kind.ASYMPTOTE, Subject(problem.contact), text)
 
 
 BACKEND = AnalyticBackend()

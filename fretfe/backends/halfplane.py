@@ -11,6 +11,7 @@ from itertools import chain
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
 from fretfe.case import Case
+from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate, unknown_contacts, with_patches
 from fretfe.evaluate.limits import (
@@ -61,10 +62,10 @@ def size_limits(contact: Contact, problem: HalfPlaneProblem) -> Iterator[ModelLi
     """
     yield ModelLimit(
         contact.name,
+        Kind.BODY_SIZE,
         "error of K_N or ΔK_T because the bodies are not half-planes",
         max(problem.k_n_error, problem.k_t_error),
         LARGEST_SIZE_ERROR,
-        "the bodies are too low or too narrow for the width of the contact; use the backend 'fem'",
     )
     _, change = left_out_by_stretch(problem)
     if not change:
@@ -73,11 +74,10 @@ def size_limits(contact: Contact, problem: HalfPlaneProblem) -> Iterator[ModelLi
     longest = max((each for each in lengths if each > 0), default=contact.half_width[-1])
     yield ModelLimit(
         contact.name,
+        Kind.BODY_STRETCH,
         "error of the slip zones because P stretches different bodies by different amounts",
         change / float(longest),
         LARGEST_STRETCH,
-        "half-planes know nothing of the shear by it, which falls with the size of the bodies; use "
-        "the backend 'fem'",
     )
 
 

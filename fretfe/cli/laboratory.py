@@ -200,6 +200,7 @@ def _reach(reach: Reach, slip: float) -> str:
 
 
 def _match_remarks(match: Match, comparison: Comparison | None) -> Iterator[str]:
+    from fretfe.caution import grouped
     from fretfe.matching.agreement import better
 
     if comparison is None:
@@ -213,7 +214,8 @@ def _match_remarks(match: Match, comparison: Comparison | None) -> Iterator[str]
             )
         return
     for agreement in comparison.agreements:
-        told = filter(None, (agreement.remark, *agreement.test.warnings))
+        warnings = (group.line for group in grouped(agreement.test.warnings))
+        told = filter(None, (agreement.remark, *warnings))
         yield from (f"{Path(agreement.name).name}: {text}" for text in told)
     if len(comparison.agreements) > 1:
         yield f"Nearest to the component: {Path(better(list(comparison.agreements)).name).name}"

@@ -203,13 +203,10 @@ def _step_text(solution: Solution | None) -> str:
 
 
 def _print_warnings(console: Console, result: Result) -> None:
-    refinement = result.refinement
-    if refinement is not None and not refinement.converged:
-        text = f"Warning: the mesh is not fine enough for edges.tolerance: {refinement.reason}"
-        console.print(text, highlight=False, markup=False)
-    for contact in result.contacts:
-        for warning in contact.warnings:
-            console.print(f"Warning: {contact.name}: {warning}", highlight=False, markup=False)
+    from fretfe.caution import grouped
+
+    for group in grouped(result.warnings):
+        console.print(f"Warning: {group.line}", highlight=False, markup=False)
 
 
 def sweep(
@@ -300,18 +297,18 @@ def _print_sweep(sweep: Sweep, directory: Path, seconds: float, verbosity: Verbo
 
 
 def _sweep_warnings(sweep: Sweep) -> list[str]:
-    """Each warning of the edges once with the number of cases, and each case that failed."""
-    found_in: dict[str, list[str]] = {}
-    for each in sweep.variants:
-        found = {(edge["contact"], edge["warnings"]) for edge in each.edges if edge["warnings"]}
-        for contact, text in sorted(found):
-            found_in.setdefault(f"{contact}: {text}", []).append(_variant(each.values))
-    count = len(sweep.variants)
-    texts = [
-        f"{text} ({len(names)} of {count} variants: {'; '.join(names[:MOST_NAMED])}"
-        f"{'; ...' if len(names) > MOST_NAMED else ''})"
-        for text, names in found_in.items()
-    ]
+    """Each kind of warning once with the number of cases, and each case that failed."""
+    from fretfe.caution import grouped
+
+    texts, count = [], len(sweep.variants)
+    for group in grouped(warning for each in sweep.variants for warning in each.warnings):
+        names = [
+            _variant(each.values)
+            for each in sweep.variants
+            if any(warning.kind is group.kind for warning in each.warnings)
+        ]
+        where = f"{len(names)} of {count} variants: {'; '.join(names[:MOST_NAMED])}"
+        texts.append(f"{group.line} ({where}{'; ...' if len(names) > MOST_NAMED else ''})")
     return [*texts, *(f"{_variant(each.values)}: {each.failure}" for each in sweep.failures)]
 
 

@@ -17,6 +17,7 @@ from typing import Annotated, Any, get_origin, get_type_hints
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.caution import Caution
 from fretfe.evaluate.withheld import TOLD, Withheld
 from fretfe.local.problem import Tractions
 
@@ -631,7 +632,7 @@ class Contact:
         steady: False without a cycle.
         dissipation_change: NaN if there is no cycle before.
         lack: why there are no fronts though solids carry a force.
-        warnings: what a reader must know, in words.
+        warnings: what a reader must know.
         patches: of the contact area of solids; none where it is a single one, and in the plane.
     """
 
@@ -679,7 +680,7 @@ class Contact:
         float, Quantity("", "relative change of that from the cycle before")
     ]
     lack: Withheld = TOLD
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
     patches: tuple[AreaPatch, ...] = ()
 
     @property

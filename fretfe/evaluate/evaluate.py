@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.factors import integral_units
@@ -103,7 +104,7 @@ def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
         steady=False,
         dissipation=np.nan,
         dissipation_change=np.nan,
-        warnings=(fault.text,),
+        warnings=(Caution(Kind.FAULT, Subject(contact.name), fault.text),),
     )
 
 

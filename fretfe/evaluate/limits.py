@@ -17,6 +17,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, normal_modulus
+from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
@@ -31,13 +32,11 @@ LARGEST_SLIDING = 0.1
 # Linear elasticity leaves out terms of the order of the strain; 2 % is beyond the yield strain of
 # nearly all metals.
 LARGEST_STRAIN = 0.02
-# What is measured of that. Below 1e-5, 2 MPa between steels, and above a tenth units are doubted:
+# Below 1e-5 of the plane modulus, 2 MPa between steels, and above a tenth units are doubted:
 # fretting contacts have 1e-4 to 1e-2.
-PRESSURE, DOUBTED = "largest pressure over the plane modulus", (1e-5, 0.1)
-# How limits end beyond which units may be wrong.
-CHECK_UNITS = "check units and loads"
-# What `fem` calls the limit of how far bodies turn.
-ROTATION = "rotation of a body at the contact"
+DOUBTED = (1e-5, 0.1)
+# Limits beyond which units may be wrong.
+CHECK_UNITS = (Kind.PRESSURE, Kind.SLOPE, Kind.STRETCH)
 # Gap that sliding along turned surfaces opens, over the approach of the bodies.
 LARGEST_GAP = 0.01
 FOLLOWED = (
@@ -59,17 +58,24 @@ class ModelLimit:
 
     Attributes:
         contact: name of the contact; "" for all bodies.
+        kind: of the caution beyond the limit, which says what is wrong there and what to do.
         quantity: what is measured, over what.
         found: largest value in the run; NaN if it could not be measured.
         limit: value up to which the model holds.
-        consequence: what is wrong beyond it, and what to do.
+        detail: what is particular in this run, a part of a sentence.
     """
 
     contact: str
+    kind: Kind
     quantity: str
     found: float
     limit: float
-    consequence: str
+    detail: str = ""
+
+    @property
+    def consequence(self) -> str:
+        """Consequence of going beyond the limit, with what to do."""
+        return ": ".join(filter(None, (self.detail, self.kind.remedy)))
 
     @property
     def exceeded(self) -> bool:
@@ -80,7 +86,7 @@ class ModelLimit:
     def doubtful(self) -> bool:
         """True if the quantity is so small or large that a unit is likely to be wrong."""
         least, most = DOUBTED
-        return self.quantity == PRESSURE and (0 < self.found < least or self.found > most)
+        return self.kind is Kind.PRESSURE and (0 < self.found < least or self.found > most)
 
     @property
     def verdict(self) -> str:
@@ -90,23 +96,23 @@ class ModelLimit:
         return "exceeded" if self.exceeded else "within"
 
     @property
-    def warning(self) -> str:
-        """The quantity, by how much it is too large or small, and what follows, in one line."""
+    def caution(self) -> Caution:
+        """The quantity, and by how much it is too large or small."""
+        kind, text = self.kind, f"outside the model: {self.quantity} is {self.found:.2g}"
+        text = ": ".join(filter(None, (f"{text}, expected at most {self.limit:g}", self.detail)))
         if self.doubtful:
-            return (
+            kind = Kind.UNITS
+            text = (
                 f"the {self.quantity} is {self.found:.2g}, where fretting contacts have 1e-4 to "
-                "1e-2: check the units of Young's moduli, loads and lengths before anything else"
+                "1e-2"
             )
-        return (
-            f"outside the model: {self.quantity} is {self.found:.2g}, expected at most "
-            f"{self.limit:g}: {self.consequence}"
-        )
+        return Caution(kind, Subject(self.contact), text)
 
 
 def with_limit_warnings(
     contacts: Iterable[Contact], limits: Iterable[ModelLimit]
 ) -> tuple[Contact, ...]:
-    """The contacts with a warning for each of their limits that is exceeded.
+    """The contacts with a caution for each of their limits that is exceeded.
 
     A unit that is doubted is told first, in place of those that say so as well.
     """
@@ -114,11 +120,9 @@ def with_limit_warnings(
 
     def warned(contact: Contact) -> Contact:
         own = [limit for limit in told if limit.contact == contact.name]
-        doubtful = tuple(limit.warning for limit in own if limit.doubtful)
+        doubtful = tuple(limit.caution for limit in own if limit.doubtful)
         others = tuple(
-            limit.warning
-            for limit in own
-            if not (doubtful and (limit.doubtful or CHECK_UNITS in limit.consequence))
+            limit.caution for limit in own if not (doubtful and limit.kind in CHECK_UNITS)
         )
         return replace(contact, warnings=(*doubtful, *contact.warnings, *others))
 
@@ -132,11 +136,10 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
         return
     yield ModelLimit(
         contact.name,
+        Kind.SLIDING,
         "sliding over the width of the contact",
         extent.sliding / extent.width,
         LARGEST_SLIDING,
-        "points are paired in the undeformed position, which is no longer a good pairing; "
-        "use smaller loads or more friction, or a code for large sliding",
     )
     modulus = min(
         normal_modulus(case.bodies[body], case.model.plane, contact.surface.mean_normal)
@@ -144,10 +147,10 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
     )
     yield ModelLimit(
         contact.name,
-        PRESSURE,
+        Kind.PRESSURE,
+        "largest pressure over the plane modulus",
         extent.pressure / modulus,
         LARGEST_STRAIN,
-        f"strains of this size are not small; {CHECK_UNITS}",
     )
 
 
@@ -256,7 +259,7 @@ def surface_notes(
         limits: of the model.
     """
     forces = {each.name: float(each.normal_force.max()) for each in contacts}
-    turns = {each.contact: each.found for each in limits if each.quantity == ROTATION}
+    turns = {each.contact: each.found for each in limits if each.kind is Kind.ROTATION}
     for history in histories:
         extent, turn = contact_extent(history), turns.get(history.name, math.nan)
         bodies = (case.bodies[name] for name in (history.body1, history.body2))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Texts about an evaluated contact that a reader must know: unknown, uncertain, not steady."""
+"""Cautions of an evaluated contact: what is unknown, uncertain, not steady."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.paths import reversals
+from fretfe.caution import Caution, Kind, about
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
 from fretfe.evaluate.plane.lacks import evaluated_states
@@ -40,11 +41,11 @@ NEARLY_SLIDES = 0.1
 UNLOADED = 1e-6
 # Part of the largest K_T below which a range is round-off.
 ROUND_OFF = 1e-9
-# Fronts of plane contacts.
-SIDES = tuple(front.name for front in PLANE_FRONTS)
 # Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
 # at R = 2.5 h, as coarse as anything round is meshed.
 CHORDS = 0.05
+# A kind of caution and its text.
+Finding = tuple[Kind, str]
 
 
 def plane_warnings(
@@ -52,8 +53,8 @@ def plane_warnings(
     contact: ContactHistory,
     fronts: Sequence[Front],
     changes: Sequence[float],
-) -> Iterator[str]:
-    """Warnings about a plane contact, most serious first.
+) -> Iterator[Caution]:
+    """Cautions about a plane contact, most serious first.
 
     Args:
         solution: the solved history.
@@ -61,22 +62,29 @@ def plane_warnings(
         fronts: left and right, of one station each.
         changes: of the shear over cycles, as of `cycle_changes`.
     """
-    yield from _nothing_known(fronts)
+    name = contact.name
+    yield from _nothing_known(name, fronts)
     stations = tuple(station for front in fronts for station in front.stations)
-    yield from _unknown(solution, contact, stations)
-    yield from _uncounted(solution, stations)
-    yield from _surfaces(contact)
-    yield from _patches(contact)
-    if unsteady := unsteady_text(changes):
-        yield unsteady
+    states = evaluated_states(solution)
+    if contact.nodes_pressed_in(states).any():
+        for station in stations:
+            yield from about(name, station.front, _unknown(solution, contact, station))
+    else:
+        yield from about(name, "", _parted(contact, states))
     for station in stations:
-        yield from _uncertain(station, linear=solution.degree == 1)
+        yield from about(name, station.front, _uncounted(solution, station))
+    yield from _surfaces(contact)
+    yield from about(name, "", _patches(contact))
+    if unsteady := unsteady_text(changes):
+        yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
+    for station in stations:
+        yield from about(name, station.front, _uncertain(station, linear=solution.degree == 1))
     for station in stations:
         ends = np.column_stack([contact.surface.arc[:-1], contact.surface.arc[1:]])
         s = plane_front(station.front).inward * (ends - station.position[station.last])
         beside = _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
         if beside is not None:
-            yield f"{station.front} edge: {beside}"
+            yield from about(name, station.front, [(Kind.BESIDE_FINE_MESH, beside)])
 
 
 def solid_warnings(
@@ -84,8 +92,8 @@ def solid_warnings(
     contact: ContactHistory,
     found: Mapping[str, Any],
     changes: Sequence[float],
-) -> Iterator[str]:
-    """Warnings about a contact between solids, most serious first.
+) -> Iterator[Caution]:
+    """Cautions about a contact between solids, most serious first.
 
     Args:
         solution: the solved history.
@@ -93,10 +101,32 @@ def solid_warnings(
         found: its histories and fronts, by the names of `Contact`.
         changes: of the shear over cycles, as of `cycle_changes`.
     """
+    name = contact.name
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest, contact.surface.weights, 3)
+        yield from about(name, "", [_never_touch(smallest, contact.surface.weights, 3)])
         return
+    yield from about(name, "", _solid_contact(solution, contact, found, closed, changes))
+    yield from _nothing_known(name, found["fronts"])
+    yield from _withheld(solution, name, found)
+    assert contact.surface.facets is not None
+    edges = edges_once(contact.surface.facets)
+    for front in found["fronts"]:
+        told = [_beside_solid_mesh(solution, contact, edges, each) for each in front.judged]
+        beside = [each for each in told if each is not None]
+        if 2 * len(beside) > len(told):
+            text = beside[len(beside) // 2]
+            yield from about(name, front.name, [(Kind.BESIDE_FINE_MESH, text)])
+
+
+def _solid_contact(
+    solution: Solution,
+    contact: ContactHistory,
+    found: Mapping[str, Any],
+    closed: Bools,
+    changes: Sequence[float],
+) -> Iterator[Finding]:
+    """Cautions about a contact between solids as a whole, which touches at nodes (N,)."""
     # What a contact has without a force, or behind the evaluated cycle, no number is told of.
     last = solution.cycle[1] if solution.cycle else len(contact.status) - 1
     forces = np.abs(found["normal_force"])
@@ -104,35 +134,31 @@ def solid_warnings(
     if 0 < nodes < FEWEST_NODES and forces[last] > UNLOADED * forces.max():
         finer = math.ceil(10 * math.sqrt(FEWEST_NODES / nodes)) / 10
         yield (
+            Kind.FEW_NODES,
             f"{nodes} node{' is' if nodes == 1 else 's are'} in contact in state {last}, "
             f"{FEWEST_NODES} are wanted at least for pressures and areas: make the elements "
-            f"{finer:.1f} times smaller there"
+            f"{finer:.1f} times smaller there",
         )
     if found["lack"].kind is not Lack.NOTHING:
         yield (
+            Kind.NO_FRONTS,
             "no front of the contact is known at the end of the cycle: K_N, K_T, K_S and slip "
-            f"zones are unknown, because {found['lack'].text}"
+            f"zones are unknown, because {found['lack'].text}",
         )
     assert contact.surface.facets is not None and contact.surface.free is not None
     at_border = closed & rim_nodes(contact.surface.facets, len(closed)) & ~contact.surface.free
     if at_border.any():
         place = ", ".join(f"{value:.4g}" for value in contact.surface.points[np.argmax(at_border)])
         yield (
+            Kind.SURFACE_BORDER,
             f"the contact reaches the border of its surface, first at ({place}), where not both "
-            "bodies end: extend the physical group there. If one of the bodies ends there with an "
-            "edge, that presses into the other one, and the edge formulas do not hold"
+            "bodies end",
         )
-    yield from (f"patch {each.name}: {each.reason}" for each in found["patches"] if each.reason)
+    for each in found["patches"]:
+        if each.reason:
+            yield Kind.PATCH_FORCES, f"patch {each.name}: {each.reason}"
     if unsteady := unsteady_text(changes):
-        yield unsteady
-    yield from _nothing_known(found["fronts"])
-    yield from _withheld(solution, found)
-    edges = edges_once(contact.surface.facets)
-    for front in found["fronts"]:
-        told = [_beside_solid_mesh(solution, contact, edges, each) for each in front.judged]
-        beside = [each for each in told if each is not None]
-        if 2 * len(beside) > len(told):
-            yield f"{front.name}: {beside[len(beside) // 2]}"
+        yield Kind.UNSTEADY, unsteady
 
 
 def _beside_solid_mesh(
@@ -173,13 +199,11 @@ def _beside_fine_mesh(solution: Solution, station: Station, s: Array, lengths: A
     side = "in" if nearest > 0 else "out"
     return (
         f"elements are {station.size:.2g} long there, and {finest:.2g} from {abs(nearest):.2g} "
-        f"further {side}: the fine mesh ends before this front. Let it reach "
-        f"{moves + 4 * finest:.2g} farther (`edge_zone` of templates); with finer elements alone "
-        "K_N and slip zones get no better there"
+        f"further {side}: the fine mesh ends {moves + 4 * finest:.2g} too early for this front"
     )
 
 
-def _withheld(solution: Solution, found: Mapping[str, Any]) -> Iterator[str]:
+def _withheld(solution: Solution, name: str, found: Mapping[str, Any]) -> Iterator[Caution]:
     """Fronts most of whose stations have no K_N or no range, and why."""
     if solution.cycle is None:
         return
@@ -192,7 +216,7 @@ def _withheld(solution: Solution, found: Mapping[str, Any]) -> Iterator[str]:
         if 2 * len(reasons) <= len(front.judged):
             continue
         text = (
-            f"{front.name}: K_N or the range of K_T and K_S is not told at {len(reasons)} of "
+            f"K_N or the range of K_T and K_S is not told at {len(reasons)} of "
             f"{len(front.judged)} stations, as {reasons[len(reasons) // 2]}"
         )
         if share[least] < NEARLY_SLIDES:
@@ -202,70 +226,62 @@ def _withheld(solution: Solution, found: Mapping[str, Any]) -> Iterator[str]:
                 f"{sticking[least]:.2g} sticks in state {state}, so that there is no border "
                 "between slip and stick next to the front"
             )
-        yield text
+        yield from about(name, front.name, [(Kind.WITHHELD, text)])
 
 
-def _nothing_known(fronts: Sequence[Front]) -> Iterator[str]:
-    """Edges, or numbers of stations of a front of solids, of which nothing is known, and why."""
+def _nothing_known(contact: str, fronts: Sequence[Front]) -> Iterator[Caution]:
+    """Stations of fronts of which nothing is known, and why; in the plane a front has one."""
     for front in fronts:
-        for reason, count in Counter(each.unknown for each in front.stations).items():
-            if reason and front.name in SIDES:
-                yield f"{front.name} edge: unknown, because {reason}"
-            elif reason:
-                stations = f"{count} of {len(front.stations)} stations"
-                yield f"{front.name}: {stations} unknown, because {reason}"
+        count = len(front.stations)
+        for reason, number in Counter(each.unknown for each in front.stations).items():
+            if reason:
+                stations = f"{number} of {count} stations " if count > 1 else ""
+                found = Kind.NOTHING_KNOWN, f"{stations}unknown, because {reason}"
+                yield from about(contact, front.name, [found])
 
 
-def _unknown(
-    solution: Solution, contact: ContactHistory, stations: tuple[Station, ...]
-) -> Iterator[str]:
-    """Factors that cannot be told, and why."""
-    states = evaluated_states(solution)
-    if not contact.nodes_pressed_in(states).any():
-        yield from _parted(contact, states)
+def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> Iterator[Finding]:
+    """Factors of a plane edge that cannot be told, and why."""
+    if station.unknown or station.lack.kind is Lack.NOTHING:
         return
-    for station in stations:
-        if station.unknown or station.lack.kind is Lack.NOTHING:
-            continue
-        unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
-        missing = ["K_N"] if unknown else []
-        if solution.cycle is not None and not math.isfinite(station.k_t_range):
-            missing.append("ΔK_T")
-        names = " and ".join(missing)
-        yield f"{names} at the {station.front} edge: unknown, because {station.lack.text}"
+    unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
+    missing = ["K_N"] if unknown else []
+    if solution.cycle is not None and not math.isfinite(station.k_t_range):
+        missing.append("ΔK_T")
+    names = " and ".join(missing)
+    yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
 
 
-def _parted(contact: ContactHistory, states: Indices) -> Iterator[str]:
+def _parted(contact: ContactHistory, states: Indices) -> Iterator[Finding]:
     """A contact that has carried something, but nothing in the states that count."""
     if not contact.pressed_nodes.any():
         return  # it never touches, which is told by itself
     gap = min(float(contact.gap[state].min()) for state in states)
     which = "in the evaluated cycle" if len(states) > 1 else "at the end"
     yield (
+        Kind.PARTED,
         f"the bodies do not touch {which}, though they did before: the contact carries no force "
-        f"there, and has no edges; the smallest gap is {max(gap, 0.0):.3g}. Either the loads lift them off, "
-        "and another cycle is to be evaluated, or what should press them together ends too early"
+        f"there, and has no edges; the smallest gap is {max(gap, 0.0):.3g}",
     )
 
 
-def _uncounted(solution: Solution, stations: tuple[Station, ...]) -> Iterator[str]:
+def _uncounted(solution: Solution, station: Station) -> Iterator[Finding]:
     """Irregular loads without a cycle whose cycles cannot be counted, and why."""
     if solution.cycle is not None:
         return
     turns = max((len(reversals(each)) for each in solution.values.T), default=0)
-    for station in stations:
-        known = np.isfinite(station.k_t)
-        if turns >= FEWEST_TURNS and not station.cycles.count.size and not known.all():
-            yield f"cycles at the {station.front} edge are not counted: {station.cycles.reason}"
+    known = np.isfinite(station.k_t)
+    if turns >= FEWEST_TURNS and not station.cycles.count.size and not known.all():
+        yield Kind.UNCOUNTED, f"cycles are not counted: {station.cycles.reason}"
 
 
-def _patches(contact: ContactHistory) -> Iterator[str]:
+def _patches(contact: ContactHistory) -> Iterator[Finding]:
     """Events of a patch, and nodes that belong to it but lie apart."""
     if contact.events:
         yield (
+            Kind.PATCH_EVENTS,
             f"not there all the time, as one of several patches of {contact.pair!r}: it "
-            f"{'; it '.join(contact.events)}. It has edges only where it exists, and K_T and K_I "
-            "begin anew whenever it appears"
+            f"{'; it '.join(contact.events)}",
         )
     shares = []
     for states in blocks(len(contact.traction), contact.traction[0].size):
@@ -276,9 +292,9 @@ def _patches(contact: ContactHistory) -> Iterator[str]:
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
+            Kind.NODES_APART,
             f"in {len(several)} of {len(contact.traction) - 1} states up to {1 - min(several):.1%} "
-            "of P is on single nodes apart from the patch, too few for edges of their own: make "
-            "the elements smaller there"
+            "of P is on single nodes apart from the patch, too few for edges of their own",
         )
 
 
@@ -297,8 +313,8 @@ def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:
     return closed, smallest
 
 
-def _never_touch(smallest: float, weights: Array, dimension: int) -> str:
-    """Warning about surfaces that are never in contact, by their smallest gap.
+def _never_touch(smallest: float, weights: Array, dimension: int) -> Finding:
+    """Caution about surfaces that are never in contact, by their smallest gap.
 
     Args:
         smallest: gap.
@@ -306,7 +322,10 @@ def _never_touch(smallest: float, weights: Array, dimension: int) -> str:
         dimension: of the bodies.
     """
     hint = untouched_hint(smallest, weights, dimension)
-    return f"the surfaces never touch; the smallest gap is {max(smallest, 0.0):.4g}. {hint}"
+    return (
+        Kind.NEVER_TOUCH,
+        f"the surfaces never touch; the smallest gap is {max(smallest, 0.0):.4g}. {hint}",
+    )
 
 
 def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
@@ -323,46 +342,41 @@ def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
     )
 
 
-def _surfaces(contact: ContactHistory) -> Iterator[str]:
+def _surfaces(contact: ContactHistory) -> Iterator[Caution]:
     """Surfaces that never touch, or end where they are in contact."""
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield _never_touch(smallest, contact.surface.weights, 2)
+        yield from about(contact.name, "", [_never_touch(smallest, contact.surface.weights, 2)])
     for front in PLANE_FRONTS:
         if not front.from_front(closed)[0]:
             continue
+        reached: Finding = (Kind.SURFACE_END, "the contact reaches the end of its surface")
         if reaches_image(contact, front):
-            yield (
-                f"the contact reaches the {front.name} end of its surface, behind which both "
-                "bodies go on: the edge found there is not a true contact edge"
+            reached = (
+                Kind.CUT_END,
+                "the contact reaches the end of its surface, behind which both bodies go on",
             )
-        else:
-            yield (
-                f"the contact reaches the {front.name} end of its surface: extend the physical "
-                "group; the edge found there is not a true contact edge"
-            )
+        yield from about(contact.name, front.name, [reached])
 
 
-def _uncertain(station: Station, *, linear: bool) -> Iterator[str]:
+def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
     """Numbers of a station that the mesh or the steps leave open."""
     if station.uncertain:
         # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
-        first = "where bodies have linear elements take [model] degree = 2, then " if linear else ""
-        yield (
-            f"K_N at the {station.front} edge is {station.last_k_n[0]:.3g} ± "
-            f"{station.last_k_n[1]:.2g}: {first}refine the mesh at this edge"
-        )
+        kind = Kind.K_N_LINEAR if linear else Kind.K_N_UNCERTAIN
+        yield kind, f"K_N is {station.last_k_n[0]:.3g} ± {station.last_k_n[1]:.2g}"
     steps = station.k_range_parts.steps
     # A range beside K_T itself that is round-off has no share that steps could be wrong by.
     some = station.k_t_range > ROUND_OFF * float(np.nanmax(np.abs(station.k_t), initial=0.0))
     if some and steps > LARGEST_STEPS * station.k_t_range:
         yield (
-            f"the range of K_T at the {station.front} edge may be {steps / station.k_t_range:.1%} "
-            "off by what happens between the steps: take more steps per cycle"
+            Kind.STEPS_TOO_LONG,
+            f"the range of K_T may be {steps / station.k_t_range:.1%} off by what happens between "
+            "the steps",
         )
     if any(zone.gross for zone in station.slip_zones[-2:]):
         irregular = station.cycles.irregular
         which = "in the worst counted cycle" if irregular else "in the last half cycles"
-        yield f"gross slip {which} ({station.front} edge)"
+        yield Kind.GROSS_SLIP, f"gross slip {which}"
     elif any(not zone.resolved for zone in station.slip_zones[-2:]):
-        yield f"the {station.front} slip zone is not resolved by the mesh"
+        yield Kind.NOT_RESOLVED, "the slip zone is not resolved by the mesh"

@@ -17,6 +17,7 @@ from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Case, isotropic
 from fretfe.case.bodies import OverTemperature
 from fretfe.case.loads import InterferenceLoad
+from fretfe.caution import Kind
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
@@ -145,10 +146,10 @@ def model_limits(
 def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
     return ModelLimit(
         "",
+        Kind.BALANCE,
         f"sum of the {kind}s on a body over the largest of them",
         float(solution.imbalance(kind).max()),
         LARGEST_IMBALANCE,
-        "round-off has destroyed the solution",
     )
 
 
@@ -179,21 +180,22 @@ def _at_other_temperatures(
             low, high = low + np.min(change, axis=0), high + np.max(change, axis=0)
         yield ModelLimit(
             history.name,
+            Kind.TEMPERATURE,
             f"change of Young's modulus of {body} by temperature, over the one used",
             _largest_change(curve, float(low.min()), float(high.max()), used),
             LARGEST_SOFTENING,
             f"the stiffness is that at {used:g} °C everywhere, next to {low.min():.4g} to "
-            f"{high.max():.4g} °C at the surface: areas and edge factors are wrong by about half "
-            "of this; take a temperature nearer to those",
+            f"{high.max():.4g} °C at the surface",
         )
         first, last = curve.temperatures[0], curve.temperatures[-1]
         yield ModelLimit(
             history.name,
+            Kind.TEMPERATURE_TABLE,
             f"temperature beyond the table of Young's modulus of {body}, over its extent",
             max(first - float(low.min()), float(high.max()) - last, 0.0) / (last - first),
             0.0,
-            f"the stiffness at the surface, {low.min():.4g} to {high.max():.4g} °C, is unknown "
-            f"where the table, {first:g} to {last:g} °C, does not reach; continue the table",
+            f"the surface is at {low.min():.4g} to {high.max():.4g} °C, the table reaches from "
+            f"{first:g} to {last:g} °C",
         )
 
 
@@ -231,23 +233,19 @@ def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
     known = all(isotropic(each) for each in bodies)
     yield ModelLimit(
         history.name,
+        Kind.DUNDURS if known else Kind.OSCILLATION,
         "Dundurs' beta of the bodies, with friction",
         abs(dissimilarity(*bodies, case.model.plane, history.surface.mean_normal)),
         LARGEST_BETA if known else SIMILAR,
-        "the slip-zone formulas were not measured so far; rely on tractions and slip zones"
-        if known
-        else "the tractions of full stick oscillate next to an edge, which K_T, K_I and what "
-        "follows from them neglect; rely on tractions and slip zones",
     )
     cross = cross_compliance(*bodies, case.model.plane, history.surface.mean_normal)
     if cross > 0:
         yield ModelLimit(
             history.name,
+            Kind.CROSS_COMPLIANCE,
             "cross compliance of the crystals, over those of pressure and shear, with friction",
             cross,
             SIMILAR,
-            "shear changes the pressure next to an edge, which slip zones predicted from the edge "
-            "factors neglect; rely on the computed ones",
         )
 
 
@@ -257,32 +255,31 @@ def _motion_limits(
     name = history.name
     yield ModelLimit(
         name,
+        Kind.TURNING_NORMAL,
         "sliding over the smaller radius of the surfaces",
         extent.sliding * motion.curvature,
         LARGEST_TURN,
-        "the contact normal turns by this angle, and with it the normal force; use smaller loads",
     )
     yield ModelLimit(
         name,
+        Kind.ROTATION,
         "rotation of a body at the contact",
         float(np.linalg.norm(motion.turn, axis=-1).max()),
         LARGEST_TURN,
-        "forces keep their directions in this model and turn against the contact; hold the body, "
-        "or use a code for large rotations",
     )
     yield ModelLimit(
         name,
+        Kind.SLOPE,
         "largest slope that a surface takes in the contact",
         motion.slope,
         LARGEST_SLOPE,
-        "angles of this size are not small; check units and loads",
     )
     yield ModelLimit(
         name,
+        Kind.STRETCH,
         "stretch of a surface, root mean square over the contact",
         motion.stretch,
         LARGEST_STRETCH,
-        "strains of this size are not small; check units and loads",
     )
 
 
@@ -300,11 +297,10 @@ def _offset(
         overlap = sum(loads.values[:, loads.channels.index(name)] for name in names)
         yield ModelLimit(
             history.name,
+            Kind.OVERLAP,
             "overlap of an interference over the smaller radius of the surfaces",
             float(np.abs(overlap).max()) * motion.curvature,
             LARGEST_OFFSET,
-            "surfaces are offset by the overlap and keep their radii, so their gap is wrong by "
-            "this part; draw them with the radii that they have, and check units",
         )
 
 
@@ -331,11 +327,10 @@ def _pairing(
         known = largest > 0
     return ModelLimit(
         summary.name,
+        Kind.PAIRING,
         "bound of the error of ΔK_T by gap times rotation",
         wrong / largest if known else np.nan,
         LARGEST_PAIRING_ERROR,
-        "the bodies turn under the loads of the cycle; apply the shear nearer to the contact, or "
-        "use lower or wider bodies",
     )
 
 
@@ -347,12 +342,10 @@ def _swing(force: Array) -> float:
 def _penetration(history: ContactHistory, extent: ContactExtent, deepest: float) -> ModelLimit:
     return ModelLimit(
         history.name,
+        Kind.PENETRATION,
         "penetration of the surfaces where nothing is paired, over the width of the contact",
         deepest / extent.width,
         LARGEST_PENETRATION,
-        "contact is looked for only between points that face each other before deformation, up to "
-        "half the length of the shorter surface apart: put the bodies where they touch, or make a "
-        "contact of these parts",
     )
 
 

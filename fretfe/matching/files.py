@@ -6,6 +6,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterable, Mapping
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -35,7 +36,7 @@ SHOWN, POINTS = 3.0, 400
 LOOKS = ((VERMILLION, "--"), (GREEN, "-."), (PURPLE, ":"))
 NAMES = {"cylinder": "cylinder", "flat_rounded": "flat and rounded", "wedge": "wedge"}
 NUMBERS, PICTURE = "match.json", "match.png"
-SCHEMA = {"name": "fretfe-match", "version": 1}
+SCHEMA = {"name": "fretfe-match", "version": 2}
 # Slip zones of a test, which stand in one list.
 ZONES = ("slip_long", "slip_short")
 
@@ -216,7 +217,12 @@ def _edge(target: Target) -> dict[str, Any]:
     left_out = ("profile", "warnings", "contact")
     numbers = {key: value for key, value in vars(target).items() if key not in left_out}
     peak = target.profile.peak if target.profile else math.nan
-    return {**numbers, "edge": target.name, "peak": peak, "warnings": list(target.warnings)}
+    return {
+        **numbers,
+        "edge": target.name,
+        "peak": peak,
+        "warnings": [asdict(each) for each in target.warnings],
+    }
 
 
 def _shape(choices: Choices, match: Match) -> dict[str, Any]:

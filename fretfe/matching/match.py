@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe.case import Units
+from fretfe.caution import grouped
 from fretfe.errors import CaseError, ModelError
 from fretfe.idealise.bodies import PROFILES, read_block
 from fretfe.matching.agreement import Agreement, compare_edges
@@ -199,13 +200,14 @@ def _unchecked(rig: Rig) -> tuple[str, ...]:
 
 def _notes(target: Target, factors: Factors) -> tuple[str, ...]:
     """Differences from the component although the factors are the same."""
+    warnings = tuple(group.line for group in grouped(target.warnings))
     normal = target.friction * target.k_i_range
     if factors.k_i_range > 0 or normal <= NORMAL_COUNTS * target.k_t_range:
-        return target.warnings
+        return warnings
     scale = target.friction * target.k_n
     lengths = (target.k_t_range + normal) / scale, max(target.k_t_range - normal, 0.0) / scale
     return (
-        *target.warnings,
+        *warnings,
         f"the normal force of the tests is constant, but f ΔK_I of the component is "
         f"{normal / target.k_t_range:.0%} of ΔK_T: slip zones become "
         f"{target.k_t_range / scale:.3g} in place of {lengths[0]:.3g} and {lengths[1]:.3g}; "

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
+from fretfe.caution import Caution, Kind, about
 from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
@@ -68,7 +70,7 @@ class Target:
         stiffening: relative growth of dP/da with the half-width; half of it times the slip length
             is the relative error to expect of the formula. NaN where not known.
         profile: tractions; None if the backend has none, or the mesh has too few nodes.
-        warnings: in words.
+        warnings: those of the contact, and why tests may not match it.
         k_angle: direction of K_T from inward towards along, degrees; 0 in the plane.
         turning: range of (K_T, K_S) across that direction over `k_t_range`.
     """
@@ -87,7 +89,7 @@ class Target:
     half_width: float
     stiffening: float
     profile: Profile | None
-    warnings: tuple[str, ...]
+    warnings: tuple[Caution, ...]
     k_angle: float
     turning: float
 
@@ -146,7 +148,14 @@ def read_target(result: Result, edge: str) -> Target:
         half_width=half_width,
         stiffening=float(station.stiffening),
         profile=_profile(result, front, station, (begin, end), half_width, contact.name),
-        warnings=_warnings(contact, station, in_step, k_i_range * friction / k_t_range),
+        warnings=(
+            *contact.warnings,
+            *about(
+                contact.name,
+                station.front,
+                _warnings(contact, station, in_step, k_i_range * friction / k_t_range),
+            ),
+        ),
         k_angle=station.k_angle,
         turning=station.turning,
     )
@@ -210,25 +219,29 @@ def _in_step(station: Station, begin: int, end: int) -> int:
     return round(correlation) if abs(correlation) >= IN_STEP else 0
 
 
-def _warnings(contact: Contact, station: Station, in_step: int, normal: float) -> tuple[str, ...]:
-    found = list(contact.warnings)
+def _warnings(
+    contact: Contact, station: Station, in_step: int, normal: float
+) -> Iterator[tuple[Kind, str]]:
+    """Properties of a cycle that tests do not follow, or that are not known well enough."""
     if not contact.steady:
-        found.append("the cycle is not steady; the test will be")
+        yield Kind.TARGET_UNSTEADY, "the cycle is not steady"
     if station.uncertain or station.uncertain_range:
-        found.append("K_N or the range of K_T is known to less than a twentieth")
+        text = "K_N or the range of K_T is known to less than a twentieth"
+        yield Kind.TARGET_UNCERTAIN, text
     if in_step == 0 and normal > NORMAL_COUNTS:
-        found.append("K_I does not vary in step with K_T; no test here follows that")
+        yield Kind.TARGET_OUT_OF_STEP, "K_I does not vary in step with K_T"
     if abs(math.sin(math.radians(station.k_angle))) > TURNS:
-        found.append(
+        yield (
+            Kind.TARGET_DIRECTION,
             f"K_T stands for (K_T, K_S) along the direction in which it varies most, "
-            f"{station.k_angle:.0f}° from inward; that of a test is inward"
+            f"{station.k_angle:.0f}° from inward",
         )
     if station.turning > TURNS:
-        found.append(
+        yield (
+            Kind.TARGET_TURNS,
             f"(K_T, K_S) turns: its range across that direction is {station.turning:.0%} of the "
-            "one along it; no test here follows that"
+            "one along it",
         )
-    return tuple(found)
 
 
 def _profile(

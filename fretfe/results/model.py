@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from fretfe._typing import Array
 from fretfe.case import Case
+from fretfe.caution import Caution, Kind, Subject
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
@@ -77,6 +78,16 @@ class Result:
     limits: tuple[ModelLimit, ...] = ()
     directory: Path | None = None
     faults: tuple[Fault, ...] = ()
+
+    @property
+    def warnings(self) -> tuple[Caution, ...]:
+        """All that a reader must know, of the run and of each contact."""
+        refinement = self.refinement
+        run: tuple[Caution, ...] = ()
+        if refinement is not None and not refinement.converged:
+            text = f"the mesh is not fine enough for edges.tolerance: {refinement.reason}"
+            run = (Caution(Kind.NOT_CONVERGED, Subject(), text),)
+        return (*run, *(each for contact in self.contacts for each in contact.warnings))
 
     @property
     def solid(self) -> bool:

@@ -126,8 +126,11 @@ def _read_numbers(directory: Path) -> dict[str, Any]:
         raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
+        known = data.get("versions") if isinstance(data, dict) else None
+        writer = known.get("fretfe") if isinstance(known, dict) else None
+        read = f"read it with fretfe {writer}, which wrote it, or " if writer else ""
         raise OutputError(
-            f"{path}: expected schema {SCHEMA}, found {schema}: run the case again with this "
+            f"{path}: expected schema {SCHEMA}, found {schema}: {read}run the case again with this "
             "version of fretfe"
         )
     if not are_unchanged(data):

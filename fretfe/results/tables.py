@@ -261,7 +261,7 @@ EDGES = (
     ),
     _number("dissipation"),
     Column("steady", "", "whether the cycle is steady", lambda c, _: bool(c.steady)),
-    Column("warnings", "", "what a reader must know", lambda c, _: "; ".join(c.warnings)),
+    Column("warnings", "", "what a reader must know", lambda c, _: _sentences(c)),
 )
 STATIONS = (
     *STATION,
@@ -332,6 +332,11 @@ def _records(contacts: Sequence[Contact], columns: Sequence[Column]) -> list[dic
     ]
 
 
+def _sentences(contact: Contact) -> str:
+    """All that a reader must know of a contact, in one text."""
+    return "; ".join(each.sentence for each in contact.warnings)
+
+
 def edge_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every edge, by name; numbers that do not exist are NaN.
 
@@ -371,7 +376,7 @@ def solid_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
             "local_dissipation": each.local_dissipation,
             "local_share": each.local_share,
             "steady": each.steady,
-            "warnings": "; ".join(each.warnings),
+            "warnings": _sentences(each),
         }
         for each in contacts
     ]

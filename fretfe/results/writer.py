@@ -42,7 +42,7 @@ from fretfe.results.model import Result
 from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
-SCHEMA = {"name": "fretfe-results", "version": 8}
+SCHEMA = {"name": "fretfe-results", "version": 9}
 NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
@@ -239,7 +239,10 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "ranks": result.ranks,
             "seconds": result.seconds,
             "case": case.model_dump(mode="json", exclude_unset=True),
-            "limits": [{**asdict(limit), "exceeded": limit.exceeded} for limit in result.limits],
+            "limits": [
+                {**asdict(limit), "consequence": limit.consequence, "exceeded": limit.exceeded}
+                for limit in result.limits
+            ],
             "refinement": result.refinement and _refinement_numbers(result.refinement),
             "times": loads.times,
             "cycle": loads.cycle,

@@ -23,6 +23,7 @@ from fretfe.bodies.load_files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
 from fretfe.case.toml_file import read_tables
+from fretfe.caution import Caution
 from fretfe.errors import CaseError, FretfeError, StoppedError
 from fretfe.faults import Fault, faults_so_far, guarded
 from fretfe.results.model import Result
@@ -159,6 +160,7 @@ class Solved:
         edges: a record for each contact edge, or contact of solids (see `Result.records`); none if
             it failed.
         failure: why it could not be solved; empty if it was.
+        warnings: what a reader must know of it.
         notes: what the backend assumed.
         seconds: wall time.
         faults: errors of fretfe itself that left something unknown, and are in no other case.
@@ -168,6 +170,7 @@ class Solved:
     values: Mapping[str, Any]
     edges: tuple[Mapping[str, Any], ...]
     failure: str
+    warnings: tuple[Caution, ...]
     notes: tuple[str, ...]
     seconds: float
     faults: tuple[Fault, ...] = ()
@@ -259,7 +262,7 @@ def run_sweep(
             stopped = error
             for number, variant in enumerate(variants):
                 if number not in solved:
-                    solved[number] = Solved(variant.values, (), str(error), (), 0.0)
+                    solved[number] = Solved(variant.values, (), str(error), (), (), 0.0)
                     options.announce(_told(len(solved), variants, solved[number]))
     first = variants[0]
     in_order = tuple(solved[number] for number in range(len(variants)))
@@ -298,6 +301,7 @@ def _solve_group(
 def _solve(variant: Variant, backend: Backend, session: Session, options: RunOptions) -> Solved:
     start, before = time.perf_counter(), len(faults_so_far())
     edges: tuple[Mapping[str, Any], ...] = ()
+    warnings: tuple[Caution, ...] = ()
     notes: tuple[str, ...] = ()
     try:
         failure = "; ".join(backend.supports(variant.case)) or _changed_files(variant, backend)
@@ -308,12 +312,13 @@ def _solve(variant: Variant, backend: Backend, session: Session, options: RunOpt
             failure, notes = str(result.failure or ""), result.notes
             if not failure:
                 edges, failure = _records(result)
+                warnings = result.warnings
     except StoppedError:
         raise
     except FretfeError as error:
         failure = str(error)
     seconds, faults = time.perf_counter() - start, faults_so_far()[before:]
-    return Solved(variant.values, edges, failure, notes, seconds, faults, variant.inputs)
+    return Solved(variant.values, edges, failure, warnings, notes, seconds, faults, variant.inputs)
 
 
 def _records(result: Result) -> tuple[tuple[Mapping[str, Any], ...], str]:

@@ -22,6 +22,7 @@ from rich.table import Table
 
 from fretfe._typing import Array
 from fretfe.case import Units
+from fretfe.caution import Caution
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import known_length, uncertain_factor
 from fretfe.faults import Fault, guarded
@@ -37,6 +38,7 @@ from fretfe.report.theme import (
     WIDTH,
     save_figure,
 )
+from fretfe.results.reader import restored
 from fretfe.results.run_folder import KEY, are_unchanged, with_digest
 from fretfe.results.writer import FIGURE, TABLE, VARIANTS
 from fretfe.sweeps.engine import Solved, Sweep, Variant
@@ -210,6 +212,7 @@ class SolvedFile:
                     continue
                 del data[KEY]
                 data["edges"], data["notes"] = tuple(data["edges"]), tuple(data["notes"])
+                data["warnings"] = tuple(restored(Caution, each) for each in data["warnings"])
                 data["faults"] = tuple(Fault(**each) for each in data.get("faults", ()))
                 number = data.pop("number")
                 if data["inputs"] == variants[number].inputs:

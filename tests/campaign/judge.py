@@ -160,8 +160,7 @@ def _truths(exact: Station, half_plane: Station) -> tuple[float, float, float]:
 
 def _remarks(found: Result, edge: str) -> str:
     """The warnings but for those that name the other edge alone, and why steps are missing."""
-    (other,) = set(EDGES) - {edge}
-    warnings = [text for text in found.contacts[0].warnings if other not in text or edge in text]
+    warnings = [each.text for each in found.warnings if each.subject.front in ("", edge)]
     return "; ".join([*warnings, *([str(found.failure)] if found.failure else [])])
 
 

@@ -24,6 +24,7 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.case import parse_case
+from fretfe.caution import Caution, Kind
 from fretfe.errors import FretfeError
 from fretfe.evaluate.contacts import Station
 from fretfe.results.model import Result
@@ -73,14 +74,14 @@ def judge_solid_run(one: SolidDraw, found: Result | FretfeError) -> Iterator[Jud
         return
     assert isinstance(found, Result)
     # That a contact reaches the border of its surface is so where the body ends.
-    warnings = [text for text in found.contacts[0].warnings if "border of its surface" not in text]
-    warnings += [str(found.failure)] if found.failure else []
+    warnings = [each for each in found.warnings if each.kind is not Kind.SURFACE_BORDER]
+    failure = str(found.failure or "")
     for front in fronts:
         for station in front.stations:
             if one.profile == "cylinder" and not _in_the_middle(one, station):
                 continue
             make = cylinder_truth if one.profile == "cylinder" else ellipse_truth
-            yield from _judge_station(make(one, found, station), station, warnings)
+            yield from _judge_station(make(one, found, station), station, warnings, failure)
 
 
 def _in_the_middle(one: SolidDraw, station: Station) -> bool:
@@ -117,9 +118,12 @@ class Truth:
         return (FINITE_ZONE + coupled) * self.draw.a
 
 
-def _judge_station(truth: Truth, station: Station, warnings: list[str]) -> Iterator[Judged]:
+def _judge_station(
+    truth: Truth, station: Station, warnings: list[Caution], failure: str
+) -> Iterator[Judged]:
     # Factors do not depend on the start of the cycle.
-    remark = "; ".join(text for text in warnings if "steady" not in text)
+    counting = [each.text for each in warnings if each.kind is not Kind.UNSTEADY]
+    remark = "; ".join(filter(None, (*counting, failure)))
     one, where = truth.draw, f"{station.front}, station {station.number}"
     value, bar = station.reported_k_n, station.last_k_n[1]
     yield Judged(one, where, "K_N", value, bar, truth.k_n, truth.finite * truth.k_n, remark)
@@ -137,7 +141,8 @@ def _judge_station(truth: Truth, station: Station, warnings: list[str]) -> Itera
         )  # fmt: skip
     zone = station.slip_zones[-1] if station.slip_zones else None
     value, bar = zone.told if zone is not None else (math.nan, math.nan)
-    yield Judged(one, where, "d", value, bar, truth.zone, truth.zone_error, "; ".join(warnings))
+    remark = "; ".join(filter(None, (*(each.text for each in warnings), failure)))
+    yield Judged(one, where, "d", value, bar, truth.zone, truth.zone_error, remark)
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from pad_cases import pad
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
+from fretfe.caution import Kind
 from fretfe.contact.recorder import ROUND_OFF, Extent
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.plane.lacks import with_lack
@@ -76,9 +77,10 @@ def test_a_pad_that_lifts_off_needs_no_finer_elements(emptied: slice, kind: Lack
         assert math.isnan(found.k_t_range) and math.isnan(found.k_range)
         states = solution.cycle[1] - solution.cycle[0] + 1 if solution.cycle else 0
         assert (found.lack.found, found.lack.wanted) == (states - 2, states)
-        texts = list(plane_warnings(solution, parted, fronts_of([found]), [np.nan]))
-        assert texts[0] == f"ΔK_T at the left edge: unknown, because {found.lack.text}"
-        assert "smaller" not in texts[0]
+        first, *_ = plane_warnings(solution, parted, fronts_of([found]), [np.nan])
+        assert (first.kind, first.subject.front) == (Kind.FACTORS_UNKNOWN, "left")
+        assert first.text == f"ΔK_T unknown, because {found.lack.text}"
+        assert "smaller" not in first.text
 
 
 def test_a_reason_is_restored() -> None:

@@ -39,7 +39,9 @@ TEXTS = {
     "notes": [SCRIPT],
     "units/length": SCRIPT,
     "versions/python": SCRIPT,
-    "contacts/main/warnings": [SCRIPT],
+    "contacts/main/warnings": [
+        {"kind": "fault", "subject": {"contact": SCRIPT, "front": SCRIPT}, "text": SCRIPT}
+    ],
     "case/title": SCRIPT,
 }
 

@@ -27,6 +27,7 @@ from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.bodies.material import Material
 from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
 from fretfe.case.bodies import Elastic, Orientation
+from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.evaluate.surface_stress import SurfaceLaw, along_surface
 from fretfe.exchange.export import export_tables
@@ -293,7 +294,7 @@ def test_isotropic_constants_in_21_numbers_are_the_isotropic_run(solved: Solve) 
 
 def test_crystals_that_couple_pressure_and_shear_are_unlike_bodies(solved: Solve) -> None:
     answer = solved(tables(nickel(0.0), {"young": 70e3, "poisson": 0.1}))
-    assert any("Dundurs' beta" in each for each in answer.contacts[0].warnings)
+    assert Kind.OSCILLATION in {each.kind for each in answer.warnings}
 
 
 def test_plane_stress_needs_a_plane_of_symmetry(solved: Solve) -> None:

@@ -14,6 +14,7 @@ from pad_cases import TOP, cylinder, pad, press, shear
 
 from fretfe._typing import Array
 from fretfe.case import Solid
+from fretfe.caution import Kind
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
@@ -134,5 +135,5 @@ def test_an_overlap_of_the_order_of_the_radius_is_told(solved: Solve) -> None:
     answer = solved(pad(geometry=cylinder(size=0.2), loads=loads))
     (limit,) = (each for each in answer.limits if "interference" in each.quantity)
     assert limit.found == pytest.approx(2.0 / 50.0, rel=1e-3)
-    assert any("over the smaller radius of the surfaces is 0.04" in each
-               for each in answer.contacts[0].warnings)  # fmt: skip
+    (warned,) = (each for each in answer.warnings if each.kind is Kind.OVERLAP)
+    assert "over the smaller radius of the surfaces is 0.04" in warned.text

@@ -14,6 +14,7 @@ from told import Told
 from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Solid, parse_case
+from fretfe.caution import Kind
 from fretfe.contact.solve import Repetition
 from fretfe.errors import StoppedError
 from fretfe.evaluate.cycles import STEADY_CHANGE
@@ -92,9 +93,10 @@ def test_cycles_are_added_until_one_is_steady() -> None:
     assert len(lines) == added - (added + 1) // 3 and added > 4
     assert changes == sorted(changes, reverse=True)
     assert contact.steady and contact.cycle_change < STEADY_CHANGE <= changes[-1]
-    assert not any("steady" in text for text in contact.warnings)
+    kinds = {each.kind for each in contact.warnings}
+    assert Kind.UNSTEADY not in kinds
     # The pad touches as far as both bodies end, where no group could go on.
-    assert not any("border" in text for text in contact.warnings)
+    assert Kind.SURFACE_BORDER not in kinds
 
 
 def test_added_cycles_are_those_that_could_have_been_written() -> None:
@@ -116,7 +118,7 @@ def test_added_cycles_are_those_that_could_have_been_written() -> None:
 def test_exactly_the_written_cycles(cycle: dict[str, Any]) -> None:
     result = run(**cycle)
     assert len(result.loads.times) == 3 + STEPS
-    assert any("not in steady state" in text for text in result.contacts[0].warnings)
+    assert Kind.UNSTEADY in {each.kind for each in result.warnings}
 
 
 @pytest.mark.parametrize(("done", "evaluated"), [(2, 2), (3, 2), (4, 4)])

@@ -114,7 +114,7 @@ def test_patches_that_merge_and_part_again(merging: Result) -> None:
 
 
 def test_what_happens_to_patches_is_told(merging: Result) -> None:
-    texts = ["; ".join(each.warnings) for each in merging.contacts]
+    texts = ["; ".join(one.text for one in each.warnings) for each in merging.contacts]
     for text, other in zip(texts, ("pad[2]", "pad[1]"), strict=False):
         assert f"it merges with {other} into pad[3] in step 2 (time 2, x = " in text
         assert "it arises where pad[3] parts in step 3 (time 3, x = " in text

@@ -19,10 +19,12 @@ from halfplane_problems import problem
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
+from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.step_ends import at_step_ends
+from fretfe.evaluate.withheld import Lack
 from fretfe.halfplane import solver
 from fretfe.history.solution import Solution
 
@@ -115,15 +117,19 @@ def test_edges_and_factors_of_all_patches() -> None:
         assert np.isnan(each.k_n[[6, 9, 12]]).all()
 
 
+def events(patch: Contact) -> str:
+    (found,) = (each.text for each in patch.warnings if each.kind is Kind.PATCH_EVENTS)
+    return found
+
+
 def test_merging_and_parting_are_told() -> None:
     _, (left, right, merged) = up_and_down()
     for patch, other, place in ((left, right, "-0."), (right, left, "0.")):
-        (text,) = [each for each in patch.warnings if "one of several patches" in each]
+        text = events(patch)
         assert f"merges with {other.name} into main[3] in step 7 (time 7, x = {place}" in text
         assert f"arises where main[3] parts in step 9 (time 9, x = {place}" in text
         assert text.count(") and 1 time later") == 2
-        assert "K_T and K_I begin anew" in text
-    (text,) = [each for each in merged.warnings if "one of several patches" in each]
+    text = events(merged)
     assert (
         "arises where main[1] and main[2] merge in step 7 (time 7, x = 0) and 1 time later" in text
     )
@@ -143,8 +149,9 @@ def test_an_edge_that_did_not_exist_has_no_range() -> None:
             assert np.isnan(station.k_i_range)
             assert station.slip_zones == ()
             assert np.isnan(station.k_t[1:][~existing[1:]]).all()
-        (reason,) = {text.split("because ")[1] for text in each.warnings if "unknown" in text}
-        assert reason.startswith("the patch exists in ")
+        assert {station.lack.kind for station in each.stations} == {Lack.ABSENT}
+        unknown = [one for one in each.warnings if one.kind is Kind.FACTORS_UNKNOWN]
+        assert unknown and all("the patch exists in " in one.text for one in unknown)
     known = [each for each in contacts if np.isfinite(each.stations[0].k_n[-1])]
     assert known
 
@@ -164,7 +171,8 @@ def test_shear_at_all_four_edges() -> None:
     assert ranges == pytest.approx([far, near, near, far], rel=2e-3)
     for contact in contacts:
         # Without a closed form of their factors half-planes pass for linear finite elements here.
-        assert [text for text in contact.warnings if "K_N at the" not in text] == []
+        uncertain = (Kind.K_N_UNCERTAIN, Kind.K_N_LINEAR)
+        assert [each for each in contact.warnings if each.kind not in uncertain] == []
         assert contact.steady
         assert np.ptp(contact.shear_force[-21:]) == pytest.approx(amplitude, rel=1e-3)
         for station in contact.stations:
@@ -184,7 +192,8 @@ def test_tracks_do_not_jump_where_the_load_goes_from_one_to_the_other(rock: Rock
     assert shares[1:].max() > 0.7
     assert (left.stations[1].position[5:] < 0).all()
     assert (right.stations[0].position[5:] > 0).all()
-    assert not [text for each in (left, right) for text in each.warnings if "patches" in text]
+    kinds = {one.kind for each in (left, right) for one in each.warnings}
+    assert Kind.PATCH_EVENTS not in kinds
 
 
 def test_a_patch_that_lifts_off_and_touches_again_is_the_same() -> None:
@@ -193,7 +202,7 @@ def test_a_patch_that_lifts_off_and_touches_again_is_the_same() -> None:
     assert len(solution.contacts[0].intervals) > 1
     assert (left.centre[np.isfinite(left.centre)] < 0).all()
     for each in (left, right):
-        (text,) = [text for text in each.warnings if "one of several patches" in text]
+        text = events(each)
         assert "lifts off in step" in text
         assert "touches in step" in text
         assert "and 1 time later" in text

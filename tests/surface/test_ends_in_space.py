@@ -12,6 +12,7 @@ from solid_runs import solid_result, surface
 
 from fretfe._typing import Array, Bools
 from fretfe.case import Solid
+from fretfe.caution import Kind
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
@@ -119,10 +120,10 @@ def test_warning_where_not_both_bodies_end() -> None:
     result = solid_result({"main": surface(half=0.9)})
     assert result.solution is not None
     (contact,) = result.solution.contacts
-    (told,) = (text for text in result.contacts[0].warnings if "border" in text)
-    assert told.startswith("the contact reaches the border of its surface, first at (")
+    (told,) = (each for each in result.warnings if each.kind is Kind.SURFACE_BORDER)
+    assert told.text.startswith("the contact reaches the border of its surface, first at (")
     assert contact.surface.facets is not None
     rim = rim_nodes(contact.surface.facets, len(contact.surface.points))
     ended = replace(contact, surface=replace(contact.surface, free=rim))
     (found,) = evaluate(replace(result.solution, contacts=(ended,)))
-    assert not any("border" in text for text in found.warnings)
+    assert Kind.SURFACE_BORDER not in {each.kind for each in found.warnings}

@@ -22,6 +22,7 @@ from jinja2 import Environment, StrictUndefined
 from markupsafe import Markup, escape
 from rich.table import Table
 
+from fretfe.caution import grouped
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact
 from fretfe.faults import Fault, guarded
@@ -324,6 +325,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         bodies=_table("table of bodies", lambda: body_table(run)),
         pairs=_table("table of contact surfaces", lambda: pair_table(run)),
         faults=run.faults,
+        warnings=grouped(run.warnings),
         timings=timing_table(run.seconds),
         # The case as it was understood.
         case_text=tomli_w.dumps(
