@@ -22,19 +22,9 @@ from fretfe.evaluate.space.fronts import AREAS, follow_fronts, nested_areas
 from fretfe.evaluate.space.sectors import outlines
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.step_ends import StepEnds
-from fretfe.evaluate.verdicts import (
-    AGREES,
-    DIFFERS,
-    END,
-    NO_VERDICT,
-    NO_ZONE,
-    OUTSIDE,
-    beside_nodes,
-    judge,
-    longest_verdict,
-    withheld,
-)
+from fretfe.evaluate.verdicts import beside_nodes, judge, longest_verdict, withheld
 from fretfe.history.solution import SLIP, STICK, ContactHistory, Solution
+from fretfe.verdict import Verdict
 
 Field = Callable[[Array, Array], Array]
 # Element size over the radius of the contact.
@@ -399,17 +389,17 @@ def test_verdicts() -> None:
         front.stations[0], k_range=100.0, k_range_spread=2.0, length=1.0, stiffening=2.0, size=0.02,
         turning=0.0,
     )  # fmt: skip
-    assert judge(station, zone()).word == AGREES
+    assert judge(station, zone()).verdict == Verdict.AGREES
     coarse = judge(replace(station, size=0.2), zone())
-    assert coarse.word == "unknown" and "of the length open, more than 30%" in coarse.reason
-    assert judge(station, zone(predicted_loop=0.1)).word == DIFFERS
-    assert judge(station, zone(length=0.2)).word == OUTSIDE
-    assert judge(replace(station, end=True), zone()).word == END
+    assert coarse.verdict == "unknown" and "of the length open, more than 30%" in coarse.reason
+    assert judge(station, zone(predicted_loop=0.1)).verdict == Verdict.DIFFERS
+    assert judge(station, zone(length=0.2)).verdict == Verdict.OUTSIDE
+    assert judge(replace(station, end=True), zone()).verdict == Verdict.END
     nothing = zone(predicted=np.nan, predicted_loop=np.nan)
-    assert judge(station, nothing).word == "no verdict"
-    assert judge(replace(station, k_n=station.k_n * np.nan), nothing).word == "unknown"
-    assert judge(replace(station, turning=0.5), zone()).word == "no verdict"
-    assert judge(replace(station, k_range_spread=np.nan), zone()).word == "unknown"
+    assert judge(station, nothing).verdict == "no verdict"
+    assert judge(replace(station, k_n=station.k_n * np.nan), nothing).verdict == "unknown"
+    assert judge(replace(station, turning=0.5), zone()).verdict == "no verdict"
+    assert judge(replace(station, k_range_spread=np.nan), zone()).verdict == "unknown"
     few, many = (
         judge(replace(station, size=size), replace(zone(length=0.6, spread=0.4), resolved=False))
         for size in (0.3, 0.05)
@@ -419,7 +409,7 @@ def test_verdicts() -> None:
     after_a_slide = judge(
         station, replace(zone(length=0.6, spread=0.11), across=0.9, resolved=False)
     )
-    assert after_a_slide.word == "no verdict"
+    assert after_a_slide.verdict == "no verdict"
     assert after_a_slide.reason.startswith("90% of f p acts across the direction of K_T and K_S")
 
 
@@ -457,7 +447,7 @@ def test_nodes_whose_slip_turns_deny_no_plane_problem() -> None:
     station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, size=0.08, turning=1.0)
     seen = replace(zone(length=0.222, spread=0.08, local=0.170, local_spread=0.01), resolved=False)
     verdict = judge(station, seen)
-    assert verdict.word == NO_VERDICT
+    assert verdict.verdict == Verdict.NO_VERDICT
     assert "0.17 ± 0.01 by the plane problem next to the front, by that alone" in verdict.reason
     assert "the direction of slip turns" in beside_nodes(station, seen).reason
 
@@ -466,11 +456,11 @@ def test_what_is_missing_has_a_reason() -> None:
     (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
     station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, slip_zones=())
     assert withheld(station) == ""
-    assert longest_verdict(station).word == NO_ZONE
+    assert longest_verdict(station).verdict == Verdict.NO_ZONE
     parts = RangeSpread(extraction=1.0, discretisation=70.0, steps=20.0)
     wide = replace(station, k_range_spread=parts.total, k_range_parts=parts)
     assert "100 ± 73, an error bar of more than half of it: the front is" in withheld(wide)
-    assert longest_verdict(wide).word == "unknown"
+    assert longest_verdict(wide).verdict == "unknown"
     assert longest_verdict(wide).reason == withheld(wide)
     lost = replace(station, k_range=np.nan, k_t=np.array([0.0, np.nan]), k_s=np.zeros(2))
     assert "not known in 1 of 2 states, last in state 1" in withheld(lost)

@@ -25,6 +25,7 @@ LAYERS = (
     "fretfe.environment",
     "fretfe.faults",
     "fretfe.caution",
+    "fretfe.verdict",
     "fretfe.terminal",
     "fretfe.console",
     "fretfe._core",

@@ -286,7 +286,7 @@ def test_slip_zones_behind_a_rounding_are_those_of_a_flat_with_rounded_ends(
         # The elements of the plane problem, and what the second order leaves out of the third.
         assert zone.local == pytest.approx(width, rel=0.012)
         assert abs(zone.local - width) < zone.local_spread
-        assert judge(station, zone).word == "agrees"
+        assert judge(station, zone).verdict == "agrees"
 
 
 def twist_of(stick: float) -> float:
@@ -335,13 +335,13 @@ def test_verdict_compares_the_plane_problem_with_formula_and_nodes(solid: Result
     station = stations(solid)[2]
     zone = station.slip_zones[-1]
     unresolved = replace(zone, resolved=False, spread=np.inf)
-    assert judge(station, unresolved).word == "agrees"
+    assert judge(station, unresolved).verdict == "agrees"
     assert "by the plane problem" in judge(station, unresolved).reason
     astray = replace(zone, resolved=True, length=1.5 * WIDTH, spread=0.02)
     verdict = judge(station, astray)
-    assert verdict.word == "differs" and "do not describe" in verdict.reason
+    assert verdict.verdict == "differs" and "do not describe" in verdict.reason
     wrong = replace(unresolved, predicted=0.5 * WIDTH, predicted_loop=0.5 * WIDTH)
-    assert judge(station, wrong).word == "outside"
+    assert judge(station, wrong).verdict == "outside"
 
 
 def test_verdicts_take_the_error_bar_of_k_n_at_the_end_of_their_half_cycle(solid: Result) -> None:
@@ -354,16 +354,16 @@ def test_verdicts_take_the_error_bar_of_k_n_at_the_end_of_their_half_cycle(solid
         spread = 0.01 * station.k_n
         spread[states] = 0.21 * station.k_n[states]
         verdict = judge(replace(station, k_n_spread=spread), zone)
-        assert (verdict.word == "unknown") == unknown
+        assert (verdict.verdict == "unknown") == unknown
     assert "K_N at the end of the half cycle" in verdict.reason and "21%" in verdict.reason
 
 
 def test_loads_that_turn_have_a_length_without_a_formula(solid: Result) -> None:
     station = replace(stations(solid)[2], turning=0.4)
     alone = judge(station, replace(station.slip_zones[-1], resolved=False, spread=np.inf))
-    assert alone.word == "no verdict" and "by the plane problem" in alone.reason
+    assert alone.verdict == "no verdict" and "by the plane problem" in alone.reason
     seen = judge(station, replace(station.slip_zones[-1], length=WIDTH, resolved=True, spread=0.03))
-    assert seen.word == "agrees" and "confirms" in seen.reason
+    assert seen.verdict == "agrees" and "confirms" in seen.reason
 
 
 def test_shear_along_the_front_slips_as_far_as_that_across_it_whatever_nu() -> None:

@@ -233,20 +233,21 @@ def _print_comparison(comparison: Comparison) -> None:
 def _comparison_table(comparison: Comparison) -> Table:
     from rich.markup import escape
 
+    from fretfe.verdict import Verdict
+
     labels = [escape(label) for label in comparison.labels]
-    headers = ("", "", *labels, "difference", "within bars")
+    headers = ("", "", *labels, "difference", "verdict")
     table = plain_table("Comparison", headers, text=2)
-    words = {True: "yes", False: "no", None: "-"}
     for each in comparison.quantities:
         difference = percent(each.difference)
-        if each.agrees is not None:
+        if each.verdict is not Verdict.UNKNOWN:
             difference += f" ± {percent(each.difference_spread)}"
         table.add_row(
             " ".join(filter(None, (each.contact, each.edge))),
             f"{each.quantity} {escape(f'[{each.unit}]')}",
             with_error(each.first, each.first_spread),
             with_error(each.second, each.second_spread),
-            difference, words[each.agrees],
+            difference, each.verdict,
         )  # fmt: skip
     return table
 

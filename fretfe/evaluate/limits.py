@@ -21,6 +21,7 @@ from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
+from fretfe.verdict import Verdict
 
 # Not loaded by reports: SciPy comes with it.
 if TYPE_CHECKING:
@@ -89,11 +90,11 @@ class ModelLimit:
         return self.kind is Kind.PRESSURE and (0 < self.found < least or self.found > most)
 
     @property
-    def verdict(self) -> str:
-        """The quantity against its limit: "within", "exceeded" or "not measured"."""
+    def verdict(self) -> Verdict:
+        """The quantity against its limit."""
         if math.isnan(self.found):
-            return "not measured"
-        return "exceeded" if self.exceeded else "within"
+            return Verdict.NOT_MEASURED
+        return Verdict.EXCEEDED if self.exceeded else Verdict.WITHIN
 
     @property
     def caution(self) -> Caution:

@@ -10,6 +10,7 @@ import numpy as np
 
 from fretfe.evaluate.contacts import LARGEST_SPREAD, SlipZone, Station
 from fretfe.faults import guarded
+from fretfe.verdict import Verdict
 
 # The expected error of the formulas is a first-order estimate: trusted within this factor, and not
 # at all where it is large.
@@ -41,34 +42,30 @@ PARTS = {
     "steps": "K_T and K_S may go farther between the steps: take more steps per cycle",
 }
 
-AGREES, DIFFERS, OUTSIDE, NO_VERDICT = "agrees", "differs", "outside", "no verdict"
-NOT_RESOLVED, GROSS, END, UNKNOWN = "not resolved", "gross", "end", "unknown"
-NO_ZONE = "no slip zone"
-
 
 @dataclass(frozen=True)
-class Verdict:
-    """Verdict of a station's slip zone on the formulas.
+class Judgement:
+    """Verdict of a station's slip zone on the formulas, with its reason.
 
     Attributes:
-        word: one of those of this module.
+        verdict: of the comparison.
         reason: in words.
         tolerance: largest difference of the lengths at which they agree; NaN without a comparison.
     """
 
-    word: str
+    verdict: Verdict
     reason: str
     tolerance: float = math.nan
 
 
-def longest_verdict(station: Station) -> Verdict:
+def longest_verdict(station: Station) -> Judgement:
     """The verdict on the longer of the last two slip zones of a station, or why it has none."""
     if (zone := station.longest_zone) is not None:
         return judge(station, zone)
     reason = withheld(station)
     if reason:
-        return Verdict(UNKNOWN, reason)
-    return Verdict(NO_ZONE, "there is no friction, or neither K_T nor K_S varies")
+        return Judgement(Verdict.UNKNOWN, reason)
+    return Judgement(Verdict.NO_ZONE, "there is no friction, or neither K_T nor K_S varies")
 
 
 def withheld(station: Station) -> str:
@@ -123,7 +120,7 @@ def expected_error(station: Station, length: float) -> float:
     return 0.5 * length * station.stiffening
 
 
-def judge(station: Station, zone: SlipZone) -> Verdict:
+def judge(station: Station, zone: SlipZone) -> Judgement:
     """Compare a slip zone with its prediction by (11) or (8), where both can be trusted.
 
     The tolerance is the sum of the error that the formula is expected to have, of the error bars of
@@ -136,14 +133,13 @@ def judge(station: Station, zone: SlipZone) -> Verdict:
     return guarded(
         f"verdict at {station.front}, station {station.number}",
         lambda: _judge(station, zone),
-        lambda fault: Verdict(UNKNOWN, fault.reason),
+        lambda fault: Judgement(Verdict.UNKNOWN, fault.reason),
     )
 
 
-def _judge(station: Station, zone: SlipZone) -> Verdict:
-    word, reason = _excuse(station, zone)
-    if word:
-        return Verdict(word, reason)
+def _judge(station: Station, zone: SlipZone) -> Judgement:
+    if (excuse := _excuse(station, zone)) is not None:
+        return excuse
     if _still(zone):
         return _judge_still(station, zone)
     if math.isfinite(zone.reported_local):
@@ -152,8 +148,9 @@ def _judge(station: Station, zone: SlipZone) -> Verdict:
     lengths = [each.length for each in station.slip_zones[-2:] if not each.gross]
     error = expected_error(station, max([*lengths, zone.length]))
     if math.isnan(error):
-        return Verdict(
-            NO_VERDICT, "the expected error of the formula is not known: the edge does not move"
+        return Judgement(
+            Verdict.NO_VERDICT,
+            "the expected error of the formula is not known: the edge does not move",
         )
     bars = math.hypot(
         station.k_n_spread[zone.end] / station.k_n[zone.end],
@@ -163,11 +160,11 @@ def _judge(station: Station, zone: SlipZone) -> Verdict:
     unlike = COUPLED * station.coupling
     within += BORDER_ELEMENTS * station.size + unlike * zone.length
     if not math.isfinite(within):
-        return Verdict(UNKNOWN, "K_N has no error bar at the end of the half cycle")
+        return Judgement(Verdict.UNKNOWN, "K_N has no error bar at the end of the half cycle")
     if within > LOOSE * max(zone.length, zone.prediction):
         share = within / max(zone.length, zone.prediction)
-        return Verdict(
-            UNKNOWN,
+        return Judgement(
+            Verdict.UNKNOWN,
             f"error bars and elements leave {share:.0%} of the length open, more than {LOOSE:.0%}: "
             "nothing to check",
         )
@@ -188,22 +185,28 @@ def _still(zone: SlipZone) -> bool:
     return zone.resolved and zone.length == 0
 
 
-def _judge_still(station: Station, zone: SlipZone) -> Verdict:
+def _judge_still(station: Station, zone: SlipZone) -> Judgement:
     """Compare no slip with its prediction: none either, or so little that nobody could tell."""
     local, unseen = math.isfinite(zone.reported_local), zone.told[1]
-    if local and (nodes := beside_nodes(station, zone)).word == DIFFERS:
+    if local and (nodes := beside_nodes(station, zone)).verdict == Verdict.DIFFERS:
         return nodes
     k_n, k_n_bar = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
     most = (zone.prediction + _range_bar(station, zone)) * (1 + k_n_bar / k_n)
     if not math.isfinite(most):
-        return Verdict(UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}")
+        return Judgement(
+            Verdict.UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}"
+        )
     found = f"nothing slips, or over less than {unseen:.2g}"
     within = math.hypot(unseen, BORDER_ELEMENTS * station.size)
     if zone.prediction > within:
-        return Verdict(DIFFERS, f"{found}, though {zone.prediction:.2g} is predicted", within)
+        return Judgement(
+            Verdict.DIFFERS, f"{found}, though {zone.prediction:.2g} is predicted", within
+        )
     if most > within or zone.prediction > BORDER_FRACTION * within:
-        return Verdict(UNKNOWN, f"{found}; up to {most:.2g} may be predicted: nothing to check")
-    return Verdict(AGREES, f"{found}, and at most {most:.2g} is predicted", within)
+        return Judgement(
+            Verdict.UNKNOWN, f"{found}; up to {most:.2g} may be predicted: nothing to check"
+        )
+    return Judgement(Verdict.AGREES, f"{found}, and at most {most:.2g} is predicted", within)
 
 
 def _range_bar(station: Station, zone: SlipZone) -> float:
@@ -216,7 +219,7 @@ def _range_bar(station: Station, zone: SlipZone) -> float:
 
 def _beside_formula(
     length: float, prediction: float, error: float, within: float, reason: str
-) -> Verdict:
+) -> Judgement:
     """Compare a length with a prediction whose formula is expected to have a relative error.
 
     Args:
@@ -229,39 +232,41 @@ def _beside_formula(
     # An estimate of a large error is none: it must not excuse whatever comes out.
     tolerance = ESTIMATE_FACTOR * min(error, LARGEST_ERROR) * length + within
     if abs(length - prediction) <= tolerance:
-        return Verdict(AGREES, reason, tolerance)
+        return Judgement(Verdict.AGREES, reason, tolerance)
     if error > LARGEST_ERROR:
         reason += ". Long against the edge's own length: use the computed length"
-        return Verdict(OUTSIDE, reason, tolerance)
-    return Verdict(DIFFERS, reason, tolerance)
+        return Judgement(Verdict.OUTSIDE, reason, tolerance)
+    return Judgement(Verdict.DIFFERS, reason, tolerance)
 
 
-def _judge_local(station: Station, zone: SlipZone) -> Verdict:
+def _judge_local(station: Station, zone: SlipZone) -> Judgement:
     """Compare the length by the plane problem with the slip of the nodes and (11) or (8)."""
     nodes = beside_nodes(station, zone)
-    return nodes if nodes.word == DIFFERS else beside_formula(station, zone)
+    return nodes if nodes.verdict == Verdict.DIFFERS else beside_formula(station, zone)
 
 
-def beside_nodes(station: Station, zone: SlipZone) -> Verdict:
+def beside_nodes(station: Station, zone: SlipZone) -> Judgement:
     """Compare the length by the plane problem with the slip of the nodes, if that is resolved."""
     if not zone.resolved or zone.gross:
-        return Verdict(NO_VERDICT, f"nodes tell no length: {_unresolved(station, zone)}")
+        return Judgement(Verdict.NO_VERDICT, f"nodes tell no length: {_unresolved(station, zone)}")
     open_between = math.hypot(zone.spread, zone.local_spread) + BORDER_ELEMENTS * station.size
     found = f"nodes slip over {zone.length:.3g} ± {zone.spread:.2g}, but {_by_plane_problem(zone)}"
     if abs(zone.length - zone.local) > open_between:
         reason = f"{found}: K_N, K_T and K_S do not describe what happens there"
-        return Verdict(DIFFERS, reason, open_between)
+        return Judgement(Verdict.DIFFERS, reason, open_between)
     reason = f"both error bars, and {BORDER_ELEMENTS:g} elements"
-    return Verdict(AGREES, reason, open_between)
+    return Judgement(Verdict.AGREES, reason, open_between)
 
 
-def beside_formula(station: Station, zone: SlipZone) -> Verdict:
+def beside_formula(station: Station, zone: SlipZone) -> Judgement:
     """Compare the length by the plane problem with (11) or (8)."""
     found = _by_plane_problem(zone)
     without = _no_formula(station, zone)
     if without:
         seen = "which the slip of the nodes confirms" if zone.resolved else "by that alone"
-        return Verdict(AGREES if zone.resolved else NO_VERDICT, f"{without}; {found}, {seen}")
+        return Judgement(
+            Verdict.AGREES if zone.resolved else Verdict.NO_VERDICT, f"{without}; {found}, {seen}"
+        )
     lengths = [each.local for each in station.slip_zones[-2:] if math.isfinite(each.local)]
     error = expected_error(station, max([*lengths, zone.local]))
     unlike = COUPLED * station.coupling
@@ -303,55 +308,58 @@ def _unresolved(station: Station, zone: SlipZone) -> str:
     return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
 
 
-def _excuse(station: Station, zone: SlipZone) -> tuple[str, str]:
-    """Word and reason if there is nothing to compare; two empty texts if there is."""
+def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
+    """Judgement where there is nothing to compare; None where there is."""
     if station.end:
-        return (
-            END,
+        return Judgement(
+            Verdict.END,
             "within a local length of a free end, where the fields are not those of an edge",
         )
     if zone.across > LARGEST_ACROSS:
-        return (
-            NO_VERDICT,
+        return Judgement(
+            Verdict.NO_VERDICT,
             f"{zone.across:.0%} of f p acts across the direction of K_T and K_S before the half "
             "cycle, as after the contact has slid as a whole: the formulas are for shear that is "
             "far below f p there, and slip reaches farther",
         )
     if zone.gross:
-        return GROSS, "the contact slips as far as its middle: there is no slip zone"
+        return Judgement(
+            Verdict.GROSS, "the contact slips as far as its middle: there is no slip zone"
+        )
     if zone.flank >= NEAR_SLIDING:
-        return (
-            NO_VERDICT,
+        return Judgement(
+            Verdict.NO_VERDICT,
             f"the shear is {zone.flank:.0%} of f p all over the flank behind the predicted zone, "
             "as where the contact has slid as a whole: the formulas are for shear that is far "
             "below f p there",
         )
     local = math.isfinite(zone.reported_local)
     if not local and (not zone.resolved or (math.isnan(zone.reported_length) and zone.length > 0)):
-        return NOT_RESOLVED, _unresolved(station, zone)
+        return Judgement(Verdict.NOT_RESOLVED, _unresolved(station, zone))
     if math.isnan(zone.prediction) and not local:
         lost = withheld(station)
         if not lost and math.isfinite(station.k_n[zone.end]):
-            return NO_VERDICT, _no_formula(station, zone)
-        return UNKNOWN, lost or "K_N is not known at the end of the half cycle"
+            return Judgement(Verdict.NO_VERDICT, _no_formula(station, zone))
+        return Judgement(Verdict.UNKNOWN, lost or "K_N is not known at the end of the half cycle")
     # The formulas take K_N of the state in which the half cycle ends.
     k_n, spread = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
     if spread > LARGEST_SPREAD * k_n and not local and not _still(zone):
-        return UNKNOWN, (
-            f"K_N at the end of the half cycle, {k_n:.3g}, has an error bar of {spread / k_n:.0%}, "
-            f"more than {LARGEST_SPREAD:.0%}"
+        return Judgement(
+            Verdict.UNKNOWN,
+            f"K_N at the end of the half cycle, {k_n:.3g}, has an error bar of "
+            f"{spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}",
         )
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
     still = _still(zone)
     if ranges and not still and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
-        return UNKNOWN, withheld(station)
+        return Judgement(Verdict.UNKNOWN, withheld(station))
     if local and not still and zone.local_spread > LOOSE * zone.local:
-        return (
-            UNKNOWN,
+        return Judgement(
+            Verdict.UNKNOWN,
             f"the plane problem next to the front gives {zone.local:.3g} ± "
             f"{zone.local_spread:.2g}: its error bar leaves more than {LOOSE:.0%} open",
         )
     if station.turning > LARGEST_TURNING and not local:
-        return NO_VERDICT, _no_formula(station, zone)
-    return "", ""
+        return Judgement(Verdict.NO_VERDICT, _no_formula(station, zone))
+    return None

@@ -25,6 +25,7 @@ from fretfe.exchange.overlays import (
 )
 from fretfe.results.model import Result
 from fretfe.results.tables import unit
+from fretfe.verdict import Verdict
 
 # Slip zones are those of the last two half cycles, in the order of time.
 K_N, K_T, ZONES = "K_N", "ΔK_T", ("d_1", "d_2")
@@ -83,11 +84,12 @@ class QuantityPair:
         return math.hypot(relative, self.second_spread) / abs(self.first)
 
     @property
-    def agrees(self) -> bool | None:
-        """True if the difference is within its error bar; None if that cannot be told."""
+    def verdict(self) -> Verdict:
+        """Whether the difference is within its error bar."""
         if not (math.isfinite(self.difference) and math.isfinite(self.difference_spread)):
-            return None
-        return abs(self.difference) <= self.difference_spread
+            return Verdict.UNKNOWN
+        agrees = abs(self.difference) <= self.difference_spread
+        return Verdict.AGREES if agrees else Verdict.DIFFERS
 
     def record(self) -> dict[str, Any]:
         """Everything by name."""
@@ -95,7 +97,7 @@ class QuantityPair:
             **vars(self),
             "difference": self.difference,
             "difference_spread": self.difference_spread,
-            "agrees": self.agrees,
+            "verdict": self.verdict,
         }
 
 

@@ -29,6 +29,7 @@ from fretfe.report.theme import (
     save_figure,
 )
 from fretfe.results.writer import prepare_other
+from fretfe.verdict import Verdict
 
 # The first result lies wide and pale under the second one, so that both are seen where they agree.
 FIRST: dict[str, Any] = {"lw": 4.0, "alpha": 0.35, "solid_capstyle": "butt"}
@@ -39,7 +40,7 @@ MARGIN = 0.05
 BELOW = 0.3
 # Inches of a row of the figure of differences, and of what stands around them.
 ROW, AROUND = 0.32, 1.3
-SCHEMA = {"name": "fretfe-comparison", "version": 1}
+SCHEMA = {"name": "fretfe-comparison", "version": 2}
 COMPARISON = "comparison.json"
 HISTORY_KEYS = ("contact", "edge", "quantity", "unit", "common", "difference")
 
@@ -121,7 +122,8 @@ def _draw_differences(
                 edges.index((pair.contact, pair.edge)) + below,
                 xerr=100 * bar if np.isfinite(bar) else None,
                 fmt="o" if np.isfinite(bar) else "x",
-                ms=4.5, capsize=3, color=BLUE if pair.agrees is not False else VERMILLION,
+                ms=4.5, capsize=3,
+                color=VERMILLION if pair.verdict is Verdict.DIFFERS else BLUE,
             )  # fmt: skip
     panel.set_xlabel(f"{', '.join(names)} [%]")
     if not any(np.isfinite(pair.difference) for pair in pairs):

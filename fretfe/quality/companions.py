@@ -19,8 +19,9 @@ from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.loads import History
 from fretfe.mesh.templates import find_template
 from fretfe.quality.global_run import NEARER, second_cut
-from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, Verdict, subjects
+from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, subjects
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 MEAN, START = "about another mean", "from another start"
 MESH, FINE = "on a coarser mesh", "on a finer mesh"
@@ -38,10 +39,10 @@ CYCLES = 2
 EXCURSION_STEPS = 6
 # Why the steady slip zone is the same, and the verdict if it is not.
 STEADY: dict[str, tuple[str, Verdict]] = {
-    MEAN: ("the mean of K_T does not count in a steady cycle", "FAIL"),
+    MEAN: ("the mean of K_T does not count in a steady cycle", Verdict.DIFFERS),
     START: (
         "the steady cycle forgets how it was reached, unless the whole contact slid",
-        "depends",
+        Verdict.DEPENDS,
     ),
 }
 # Halving the elements would change a first-order quantity by this many times the difference.
@@ -194,7 +195,8 @@ def companion_rows(name: str, result: Result, other: Result) -> Iterator[Row]:
     for contact, twin in zip(result.contacts, twins, strict=True):
         if twin is None:
             reason = "the companion has no patch there at its end"
-            verdict: Verdict = "unknown" if contact.normal_force[-1] > 0 else "-"
+            pressed = contact.normal_force[-1] > 0
+            verdict = Verdict.UNKNOWN if pressed else Verdict.NO_VERDICT
             yield Place(contact.name).missing(name, reason, verdict)
         elif contact.solid:
             partners = front_partners(contact.fronts, twin.fronts)

@@ -7,7 +7,7 @@ import math
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 from rich import box
 from rich.markup import escape
@@ -17,12 +17,12 @@ from fretfe.case import Case
 from fretfe.console import Console
 from fretfe.environment import versions
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 # Reads one number from what a backend returned.
 Measure = Callable[[Result], float]
-Verdict = Literal["pass", "fail", "skipped", "caught", "NOT CAUGHT"]
-FAILURES: tuple[Verdict, ...] = ("fail", "NOT CAUGHT")
-SCHEMA = {"name": "fretfe-verify", "version": 1}
+FAILURES = (Verdict.DIFFERS, Verdict.FAILED, Verdict.NOT_CAUGHT)
+SCHEMA = {"name": "fretfe-verify", "version": 2}
 TEXTS, NUMBERS = ("quantity", "backend"), ("computed", "reference", "difference", "tolerance")
 
 
@@ -92,8 +92,7 @@ class Row:
         computed, reference: the two values.
         difference: (computed - reference)/scale.
         tolerance: largest absolute difference, as a fraction of the scale.
-        verdict: "pass" or "fail"; "skipped" with a reason; of a negative control "caught" or
-            "NOT CAUGHT".
+        verdict: of the comparison, or of a negative control.
         reason: why it was skipped, what failed, or what caught the control.
     """
 
@@ -122,11 +121,12 @@ def compare(benchmark: str, quantity: Quantity, backend: str, result: Result) ->
     """Compare one number of a result with its known value; on rank 0."""
     if quantity.needs_tractions and result.solution is None:
         reason = "the backend gives no tractions"
-        return remark(benchmark, backend, "skipped", reason, quantity.name)
+        return remark(benchmark, backend, Verdict.SKIPPED, reason, quantity.name)
     computed = quantity.measure(result)
     difference = (computed - quantity.reference) / quantity.scale
     tolerance = quantity.tolerance(backend)
     known = math.isfinite(difference)
+    agrees = known and abs(difference) <= tolerance
     return Row(
         benchmark=benchmark,
         quantity=quantity.name,
@@ -135,14 +135,14 @@ def compare(benchmark: str, quantity: Quantity, backend: str, result: Result) ->
         reference=quantity.reference,
         difference=difference if known else None,
         tolerance=tolerance,
-        verdict="pass" if known and abs(difference) <= tolerance else "fail",
+        verdict=Verdict.AGREES if agrees else Verdict.DIFFERS,
         reason="" if known else "the backend found no value",
     )
 
 
 def failed(rows: tuple[Row, ...]) -> bool:
     """True if a verification failed: one row did, or nothing was compared at all."""
-    return any(row.failed for row in rows) or all(row.verdict == "skipped" for row in rows)
+    return any(row.failed for row in rows) or all(row.verdict is Verdict.SKIPPED for row in rows)
 
 
 def print_rows(console: Console, benchmark: Benchmark, rows: Sequence[Row]) -> None:
@@ -176,7 +176,7 @@ def _table(rows: Sequence[Row]) -> Table:
 
 
 def _style(row: Row) -> str:
-    return "bold red" if row.failed else "dim" if row.verdict == "skipped" else ""
+    return "bold red" if row.failed else "dim" if row.verdict is Verdict.SKIPPED else ""
 
 
 def print_summary(console: Console, rows: Sequence[Row], seconds: Mapping[str, float]) -> None:
@@ -194,7 +194,7 @@ def print_summary(console: Console, rows: Sequence[Row], seconds: Mapping[str, f
 
 
 def _compared(rows: Sequence[Row]) -> bool:
-    return any(row.verdict != "skipped" for row in rows)
+    return any(row.verdict is not Verdict.SKIPPED for row in rows)
 
 
 def as_numbers(rows: Sequence[Row], seconds: Mapping[str, float]) -> dict[str, Any]:

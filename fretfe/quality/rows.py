@@ -11,7 +11,6 @@ import math
 from collections import Counter
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from typing import Literal
 
 import numpy as np
 
@@ -22,29 +21,25 @@ from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.refinement import numbers
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import (
-    AGREES,
     BORDER_ELEMENTS,
     BORDER_FRACTION,
-    DIFFERS,
-    NOT_RESOLVED,
-    OUTSIDE,
+    Judgement,
     beside_formula,
     beside_nodes,
     judge,
     longest_verdict,
     withheld,
 )
-from fretfe.evaluate.verdicts import Verdict as ZoneVerdict
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
-Verdict = Literal["pass", "FAIL", "outside", "depends", "unknown", "-"]
-# Of a row, by the word of a verdict on a slip zone; "-" for all others.
-VERDICTS: dict[str, Verdict] = {
-    AGREES: "pass",
-    DIFFERS: "FAIL",
-    OUTSIDE: "outside",
-    NOT_RESOLVED: "unknown",
+# Of a row, by the verdict on a slip zone; `NO_VERDICT` for all others.
+VERDICTS = {
+    Verdict.AGREES: Verdict.AGREES,
+    Verdict.DIFFERS: Verdict.DIFFERS,
+    Verdict.OUTSIDE: Verdict.OUTSIDE,
+    Verdict.NOT_RESOLVED: Verdict.UNKNOWN,
 }
 # Normal increments below this fraction of the tangential ones leave the edges where they are.
 CONSTANT_NORMAL = 0.05
@@ -76,9 +71,7 @@ class Row:
         reference: what it should be.
         tolerance: largest acceptable |value - reference|, in the same unit.
         reason: where the tolerance comes from, or why there is no comparison.
-        verdict: "pass"; "FAIL"; "outside" the range of the formula, which is an answer and no
-            failure; "depends" on how the cycle was reached; "unknown" if the run does not carry
-            the number; "-" if there is nothing to compare.
+        verdict: of the comparison.
     """
 
     contact: str
@@ -136,27 +129,27 @@ class Place:
         reference: float,
         tolerance: float,
         reason: str,
-        otherwise: Verdict = "FAIL",
+        otherwise: Verdict = Verdict.DIFFERS,
     ) -> Row:
-        """A row whose verdict is "pass" within the tolerance and `otherwise` outside.
+        """A row that agrees within the tolerance, and has the verdict `otherwise` outside.
 
-        A value or reference that does not exist gives "-", unless the two are both expected: then
-        NaN on one side only is no agreement.
+        A value or reference that does not exist gives no verdict, unless the two are both expected:
+        then NaN on one side only is no agreement.
         """
         verdict: Verdict = otherwise
         if math.isnan(value) and math.isnan(reference):
-            verdict = "-"
+            verdict = Verdict.NO_VERDICT
         elif abs(value - reference) <= tolerance:
-            verdict = "pass"
+            verdict = Verdict.AGREES
         return Row(self.contact, self.edge, quantity, value, reference, tolerance, reason, verdict)
 
-    def missing(self, quantity: str, reason: str, verdict: Verdict = "-") -> Row:
+    def missing(self, quantity: str, reason: str, verdict: Verdict = Verdict.NO_VERDICT) -> Row:
         """A row without a comparison."""
         none = math.nan
         return Row(self.contact, self.edge, quantity, none, none, none, reason, verdict)
 
     def over_stations(
-        self, quantity: str, pairs: Pairs, reason: str, otherwise: Verdict = "FAIL"
+        self, quantity: str, pairs: Pairs, reason: str, otherwise: Verdict = Verdict.DIFFERS
     ) -> Row:
         """One row for many stations: that of the worst of the best nine tenths of them."""
         known = np.flatnonzero(pairs.known)
@@ -212,7 +205,7 @@ def limit_rows(result: Result) -> Iterator[Row]:
             yield at.missing(limit.quantity, f"not measured: {why}")
             continue
         reason = f"limit of the model; beyond it {limit.consequence}"
-        yield at.compared(limit.quantity, limit.found, 0.0, limit.limit, reason, "unknown")
+        yield at.compared(limit.quantity, limit.found, 0.0, limit.limit, reason, Verdict.UNKNOWN)
 
 
 def hertz_rows(result: Result) -> Iterator[Row]:
@@ -237,7 +230,7 @@ def hertz_rows(result: Result) -> Iterator[Row]:
             known = expected.k_n(station.curvature)
             reason = f"its error bar and {SHEAR_AGREEMENT:.0%}, as the bodies are not half-spaces"
             tolerance = math.hypot(bar, SHEAR_AGREEMENT * known)
-            yield at.compared("K_N, by Hertz", k_n, known, tolerance, reason, "outside")
+            yield at.compared("K_N, by Hertz", k_n, known, tolerance, reason, Verdict.OUTSIDE)
 
 
 def _solution_rows(result: Result) -> Iterator[Row]:
@@ -265,14 +258,14 @@ def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
         yield at.compared(quantity, change, 0.0, STEADY, given)
     if contact.solid and not contact.fronts and contact.normal_force[-1] > 0:
         reason = contact.lack.text or "nobody looked for them"
-        yield at.missing("fronts", reason, "unknown")
+        yield at.missing("fronts", reason, Verdict.UNKNOWN)
     if contact.name != contact.pair:
         # A patch that comes or goes within the cycle: what it does there is not known.
         cycle = cycle_states(result.loads.cycle)
         existing = np.count_nonzero(contact.normal_force[cycle] > 0)
         if 0 < existing < len(cycle):
             given = f"it exists in {existing} of the {len(cycle)} states: its ranges are unknown"
-            yield at.missing("patch in the cycle", given, "unknown")
+            yield at.missing("patch in the cycle", given, Verdict.UNKNOWN)
 
 
 def _shear_row(at: Place, mismatch: float) -> Row:
@@ -281,7 +274,7 @@ def _shear_row(at: Place, mismatch: float) -> Row:
     if math.isnan(mismatch):
         return at.missing(quantity, "no cycle, or no shear force in it")
     reason = "no free parameter, but the bodies are not half-planes: outside, use K_T as computed"
-    return at.compared(quantity, 1 + mismatch, 1.0, SHEAR_AGREEMENT, reason, "outside")
+    return at.compared(quantity, 1 + mismatch, 1.0, SHEAR_AGREEMENT, reason, Verdict.OUTSIDE)
 
 
 def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[Row]:
@@ -305,7 +298,7 @@ def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row
             and not math.isnan(contact.cycle_change)
         ):
             reason = station.lack.text or "it is not known in every state of the cycle"
-            yield at.missing(quantity, reason, "unknown")
+            yield at.missing(quantity, reason, Verdict.UNKNOWN)
 
 
 def _moving_row(at: Place, station: Station) -> Row:
@@ -348,7 +341,7 @@ def _zone_rows(at: Place, station: Station) -> Iterator[Row]:
         yield at.missing("slip zone", reason)
     for number, zone in enumerate(zones, start=1):
         verdict = judge(station, zone)
-        word = VERDICTS.get(verdict.word, "-")
+        word = VERDICTS.get(verdict.verdict, Verdict.NO_VERDICT)
         label = f"d, by formula, half cycle {number}"
         if math.isnan(verdict.tolerance):
             yield at.missing(label, verdict.reason, word)
@@ -418,7 +411,7 @@ def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
                 f"not known to within half of it at {unknown} of {len(values)} stations, as "
                 f"{reasons[len(reasons) // 2]}"
             )
-            yield at.missing(quantity, text, "unknown")
+            yield at.missing(quantity, text, Verdict.UNKNOWN)
     yield from _half_space_rows(at, front)
     ranges = numbers(stations, lambda each: each.k_range)
     spread = numbers(stations, lambda each: each.k_range_parts.extraction)
@@ -455,7 +448,7 @@ def _half_space_rows(at: Place, front: Front) -> Iterator[Row]:
     reason = "no free parameter, but the bodies are not half-spaces: outside, use K as computed"
     for quantity, ratio in (("K_N", ratios.pressure), ("K_T, K_S", ratios.shear)):
         label = f"{quantity} / by half-spaces"
-        yield at.compared(label, ratio, 1.0, SHEAR_AGREEMENT, reason, "outside")
+        yield at.compared(label, ratio, 1.0, SHEAR_AGREEMENT, reason, Verdict.OUTSIDE)
 
 
 def _slip_rows(at: Place, stations: Sequence[Station]) -> Iterator[Row]:
@@ -473,13 +466,13 @@ def _slip_rows(at: Place, stations: Sequence[Station]) -> Iterator[Row]:
         yield _zone_row(at, "d, plane problem, by nodes", solved, _nodes_pair)
 
 
-# A verdict, and what it compares.
-Pair = tuple[ZoneVerdict, float, float]
+# A judgement, and what it compares.
+Pair = tuple[Judgement, float, float]
 
 
 def _formula_pair(station: Station, zone: SlipZone) -> Pair:
     verdict = judge(station, zone)
-    if verdict.word == DIFFERS and math.isfinite(zone.reported_local):
+    if verdict.verdict is Verdict.DIFFERS and math.isfinite(zone.reported_local):
         # It may be the slip of the nodes that differs.
         verdict = beside_formula(station, zone)
     return verdict, zone.told[0], zone.prediction
@@ -507,11 +500,13 @@ def _zone_row(
     ]
     verdicts = [verdict for verdict, _, _ in pairs]
     if not known:
-        ((word, _),) = Counter(each.word for each in verdicts).most_common(1)
-        reason = next(each.reason for each in verdicts if each.word == word)
-        return at.missing(label, f"{word}: {reason}", VERDICTS.get(word, "-"))
+        ((word, _),) = Counter(each.verdict for each in verdicts).most_common(1)
+        reason = next(each.reason for each in verdicts if each.verdict == word)
+        return at.missing(label, f"{word}: {reason}", VERDICTS.get(word, Verdict.NO_VERDICT))
     if len(pairs) == 1:
         (verdict,) = verdicts
-        return at.compared(label, *known[0], verdict.reason, VERDICTS.get(verdict.word, "FAIL"))
+        return at.compared(
+            label, *known[0], verdict.reason, VERDICTS.get(verdict.verdict, Verdict.DIFFERS)
+        )
     reason = "the error bars, a fifth of an element of nodes, and the formula's own error"
     return at.over_stations(label, Pairs(*np.transpose(known)), reason)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
@@ -32,6 +33,7 @@ from fretfe.quality.companions import (
 from fretfe.quality.global_run import carried_rows
 from fretfe.quality.rows import EVERYWHERE, Row, hertz_rows, limit_rows, own_rows
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 # Phases of a run that companions on the same mesh go through too.
 REPEATED = ("steps", "edge integrals", "evaluation")
@@ -39,6 +41,8 @@ REPEATED = ("steps", "edge integrals", "evaluation")
 POWERS = {False: 2, True: 4}
 # The same of the memory of solids.
 GROWING = 3
+# Verdicts with which a validation fails.
+FAILURES = (Verdict.DIFFERS, Verdict.UNKNOWN)
 # Rows that a run has without companions.
 OWN_ROWS = {
     "this run": own_rows,
@@ -94,7 +98,7 @@ class Validation:
     @property
     def passed(self) -> bool:
         """True if no comparison failed and no number that matters is unknown."""
-        return all(row.verdict not in ("FAIL", "unknown") for row in self.rows)
+        return all(row.verdict not in FAILURES for row in self.rows)
 
 
 def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Validation:
@@ -155,7 +159,7 @@ def _attempted(name: str, find: Callable[[], Iterable[Row]]) -> list[Row]:
     """Some rows, or the one that says why fretfe has not found them."""
 
     def failed(fault: Fault) -> list[Row]:
-        return [EVERYWHERE.missing(name, fault.reason, "unknown")]
+        return [EVERYWHERE.missing(name, fault.reason, Verdict.UNKNOWN)]
 
     return guarded(f"rows of {name}", lambda: list(find()), failed)
 
@@ -176,7 +180,8 @@ def print_validation(console: Console, validation: Validation) -> None:
         numbers = (row.value, row.reference, row.difference, row.tolerance)
         names = map(escape, (row.where, row.quantity))
         why = str(reasons.index(row.reason) + 1)
-        table.add_row(*names, *map(_number, numbers), why, row.verdict)
+        style = "bold red" if row.verdict in FAILURES else ""
+        table.add_row(*names, *map(_number, numbers), why, row.verdict, style=style)
     console.print(table)
     for number, reason in enumerate(reasons, start=1):
         console.print(f"{number:3d}. {reason}", highlight=False, markup=False)
@@ -185,24 +190,20 @@ def print_validation(console: Console, validation: Validation) -> None:
 
 def summary(validation: Validation) -> str:
     """Numbers of rows by verdict, and their meaning."""
-    counts = {
-        verdict: sum(row.verdict == verdict for row in validation.rows)
-        for verdict in ("pass", "FAIL", "outside", "depends", "unknown", "-")
-    }
+    counts = Counter(row.verdict for row in validation.rows)
     text = (
-        f"{counts['pass']} agree, {counts['FAIL']} fail, {counts['outside']} outside the range of "
-        f"a formula, {counts['depends']} depend on the start, {counts['-']} not applicable."
+        f"{counts[Verdict.AGREES]} agree, {counts[Verdict.DIFFERS]} differ, "
+        f"{counts[Verdict.OUTSIDE]} outside the range of a formula, "
+        f"{counts[Verdict.DEPENDS]} depend on the start, {counts[Verdict.NO_VERDICT]} not "
+        "applicable."
     )
-    if counts["unknown"]:
-        return (
-            f"{text} {counts['unknown']} unknown: nothing can be said of this case before they are "
-            "known."
-        )
-    if counts["FAIL"]:
-        return f"{text} Do not use these numbers before the failures are understood."
-    if counts["outside"]:
+    if unknown := counts[Verdict.UNKNOWN]:
+        return f"{text} {unknown} unknown: nothing can be said of this case before they are known."
+    if counts[Verdict.DIFFERS]:
+        return f"{text} Do not use these numbers before the differences are understood."
+    if counts[Verdict.OUTSIDE]:
         return f"{text} Use the computed numbers where a formula is outside its range."
-    if not counts["pass"]:
+    if not counts[Verdict.AGREES]:
         return f"{text} Nothing was compared."
     return f"{text} The edge description holds for this case."
 
@@ -210,7 +211,7 @@ def summary(validation: Validation) -> str:
 def as_numbers(validation: Validation) -> dict[str, Any]:
     """The rows in plain types; numbers that do not exist are None."""
     return {
-        "schema": {"name": "fretfe-validation", "version": 1},
+        "schema": {"name": "fretfe-validation", "version": 2},
         "passed": validation.passed,
         "rows": [
             json_value({**asdict(row), "difference": row.difference}) for row in validation.rows

@@ -27,7 +27,6 @@ from fretfe.quality.comparison import (
     Measure,
     Quantity,
     Row,
-    Verdict,
     compare,
     failed,
     remark,
@@ -53,6 +52,7 @@ from fretfe.quality.loading import (
 )
 from fretfe.quality.solids import solid_benchmarks
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 # Called with each benchmark and its rows.
 Show = Callable[[Benchmark, Sequence[Row]], None]
@@ -95,16 +95,16 @@ def _first_loading_law(side: int) -> Measure:
 def judge(rows: tuple[Row, ...]) -> Row:
     """The verdict on a control from its comparisons, at least one."""
     first = rows[0]
-    accepted = [row.quantity for row in rows if row.verdict != "fail"]
+    accepted = [row.quantity for row in rows if row.verdict is not Verdict.DIFFERS]
     if accepted:
         reason = f"accepted: {', '.join(accepted)}"
-        return remark(first.benchmark, first.backend, "NOT CAUGHT", reason)
+        return remark(first.benchmark, first.backend, Verdict.NOT_CAUGHT, reason)
     found = ", ".join(
         f"{row.quantity} {'-' if row.computed is None else f'{row.computed:.4g}'} "
         f"for {row.reference:.4g}"
         for row in rows
     )
-    return remark(first.benchmark, first.backend, "caught", found)
+    return remark(first.benchmark, first.backend, Verdict.CAUGHT, found)
 
 
 def benchmarks() -> tuple[Benchmark, ...]:
@@ -203,9 +203,9 @@ def run_benchmark(
     expected = FretfeError if several else Exception
     try:
         if backend is None:
-            return (remark(benchmark.name, installed.name, "skipped", installed.reason),)
+            return (remark(benchmark.name, installed.name, Verdict.SKIPPED, installed.reason),)
         if reasons := backend.supports(benchmark.case):
-            return (remark(benchmark.name, installed.name, "skipped", "; ".join(reasons)),)
+            return (remark(benchmark.name, installed.name, Verdict.SKIPPED, "; ".join(reasons)),)
         twin = None if benchmark.twin is None else _solve(backend, benchmark.twin)
         result = _solve(backend, benchmark.case)
         rows = processes.on_root(
@@ -236,8 +236,8 @@ def _alone() -> bool:
 def _failure(benchmark: Benchmark, name: str, error: Exception) -> Row:
     """A backend may refuse to solve a control, but not crash over it."""
     refused = isinstance(error, FretfeError)
-    verdict: Verdict = "fail"
+    verdict = Verdict.FAILED
     if benchmark.control:
-        verdict = "caught" if refused else "NOT CAUGHT"
+        verdict = Verdict.CAUGHT if refused else Verdict.NOT_CAUGHT
     text = str(error) if refused else f"{type(error).__name__}: {error}"
     return remark(benchmark.name, name, verdict, text)

@@ -301,7 +301,7 @@ STATIONS = (
     Column("local_change", "", "its change over the last cycle", lambda _, s: s.local.change),
     Column("local_reason", "", "why it is not solved", lambda _, s: s.local.reason),
     Column(
-        "verdict", "", "comparison with what is predicted", lambda _, s: longest_verdict(s).word
+        "verdict", "", "comparison with what is predicted", lambda _, s: longest_verdict(s).verdict
     ),
     Column("reason", "", "why there is no verdict", lambda _, s: longest_verdict(s).reason),
 )

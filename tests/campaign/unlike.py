@@ -13,7 +13,8 @@ from campaign.unlike_draw import UnlikeDraw, draw_unlike
 from halfplane_problems import LOAD, loop, problem, solved, started
 
 from fretfe.evaluate.contacts import Station
-from fretfe.evaluate.verdicts import AGREES, judge
+from fretfe.evaluate.verdicts import judge
+from fretfe.verdict import Verdict
 
 # d by the slip of the nodes, and d as the factors predict it.
 UNLIKE_QUANTITIES = ("K_N", "ΔK_T", "d", "predicted")
@@ -68,6 +69,6 @@ def _judge(
             yield Judged(one, station.front, "d", zone.reported_length, zone.spread, *known, "")
             verdict = judge(station, zone)
             # Without a verdict there is no bar to hold.
-            remark = "" if verdict.word == AGREES else verdict.word
+            remark = "" if verdict.verdict == Verdict.AGREES else verdict.verdict
             bar = verdict.tolerance if math.isfinite(verdict.tolerance) else 0.0
             yield Judged(one, station.front, "predicted", zone.prediction, bar, *known, remark)

@@ -12,7 +12,8 @@ import pytest
 from halfplane_problems import LIMIT, LOAD, loop, problem, solved
 
 from fretfe.evaluate.contacts import Contact, RangeSpread, Station
-from fretfe.evaluate.verdicts import AGREES, DIFFERS, UNKNOWN, judge, longest_verdict
+from fretfe.evaluate.verdicts import judge, longest_verdict
+from fretfe.verdict import Verdict
 
 CYCLE = 12
 WAVE = np.sin(loop(CYCLE, cycles=2))
@@ -47,7 +48,7 @@ def test_no_slip_agrees_with_none_predicted(name: str) -> None:
     for station in contact(name).stations:
         verdict, zone = longest_verdict(station), station.longest_zone
         assert zone is not None
-        assert verdict.word == AGREES, verdict.reason
+        assert verdict.verdict == Verdict.AGREES, verdict.reason
         assert zone.told[0] == 0
         # The first node in contact, some two elements from the edge, and one more.
         assert 0 < zone.told[1] <= 4 * station.size
@@ -59,28 +60,28 @@ def still_station() -> Station:
 
 
 def judged(station: Station, **zone: Any) -> str:
-    return judge(station, replace(station.slip_zones[-1], **zone)).word
+    return judge(station, replace(station.slip_zones[-1], **zone)).verdict
 
 
 def test_a_range_that_may_be_anything_leaves_no_slip_open() -> None:
     station = still_station()
     bar = 2 * station.k_range
     vague = replace(station, k_range_spread=bar, k_range_parts=RangeSpread(bar, 0.0, 0.0))
-    assert judged(vague) == UNKNOWN
-    assert judged(replace(vague, k_range_spread=np.nan)) == UNKNOWN
+    assert judged(vague) == Verdict.UNKNOWN
+    assert judged(replace(vague, k_range_spread=np.nan)) == Verdict.UNKNOWN
 
 
 def test_no_slip_where_some_is_predicted_is_none_that_agrees() -> None:
     station = still_station()
     zone = station.slip_zones[-1]
-    assert judged(station, predicted_loop=2 * zone.spread + station.size) == DIFFERS
+    assert judged(station, predicted_loop=2 * zone.spread + station.size) == Verdict.DIFFERS
     # More than nothing, and less than nodes would show: nothing to check.
-    assert judged(station, predicted_loop=0.3 * zone.spread) == UNKNOWN
+    assert judged(station, predicted_loop=0.3 * zone.spread) == Verdict.UNKNOWN
 
 
 def test_no_slip_of_a_plane_problem_beside_nodes() -> None:
     station = still_station()
     bar = 1e-3 * station.size
-    assert judged(station, local=0.0, local_spread=bar) == AGREES
+    assert judged(station, local=0.0, local_spread=bar) == Verdict.AGREES
     slipping = {"length": 9 * station.size, "spread": 0.1 * station.size}
-    assert judged(station, local=0.0, local_spread=bar, **slipping) == DIFFERS
+    assert judged(station, local=0.0, local_spread=bar, **slipping) == Verdict.DIFFERS

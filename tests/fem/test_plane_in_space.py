@@ -19,7 +19,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.case import Case, Solid, parse_case
-from fretfe.evaluate.verdicts import END, longest_verdict
+from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import OPEN, ContactHistory
@@ -29,6 +29,7 @@ from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 LENGTH = 0.7
 
@@ -205,7 +206,7 @@ def test_stations_next_to_the_ends_have_the_factors_of_the_plane(layers: int) ->
         np.testing.assert_allclose(normal, normal[6], rtol=0.002)
         assert bar == pytest.approx(bar[6], rel=0.1)
         verdicts = [longest_verdict(each) for each in front.stations]
-        assert {each.word for each in verdicts} == {verdicts[6].word} != {END}
+        assert {each.verdict for each in verdicts} == {verdicts[6].verdict} != {Verdict.END}
         lengths = [each.slip_zones[-1].local for each in front.stations]
         np.testing.assert_allclose(lengths, lengths[6], rtol=0.01)
 

@@ -124,14 +124,14 @@ def test_what_happens_to_patches_is_told(merging: Result) -> None:
 
 def test_validation_compares_patch_with_patch(sheared: Result) -> None:
     rows = [*own_rows(sheared), *companion_rows(MEAN, sheared, sheared)]
-    places = {(row.contact, row.edge) for row in rows if row.verdict == "pass"}
+    places = {(row.contact, row.edge) for row in rows if row.verdict == "agrees"}
     assert {(name, side) for name in ("pad[1]", "pad[2]") for side in ("left", "right")} < places
-    assert not [row for row in rows if row.verdict in ("FAIL", "unknown")]
+    assert not [row for row in rows if row.verdict in ("differs", "unknown")]
     # They may have other names in a companion; one that is missing is no agreement.
     first, second = sheared.contacts
     renamed = (replace(first, name="pad[2]"), replace(second, name="pad[1]"))
     swapped = replace(sheared, contacts=renamed[::-1])
-    assert {row.verdict for row in companion_rows(MEAN, sheared, swapped)} == {"pass"}
+    assert {row.verdict for row in companion_rows(MEAN, sheared, swapped)} == {"agrees"}
     lost = list(companion_rows(MEAN, sheared, replace(sheared, contacts=(first,))))
     assert [row.contact for row in lost if row.verdict == "unknown"] == ["pad[2]"]
 

@@ -20,13 +20,14 @@ from fretfe.bodies.material import Material
 from fretfe.case import parse_case
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends
-from fretfe.evaluate.verdicts import AGREES, longest_verdict
+from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import idealise
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 REACH, SIZE = 0.5, 0.05
 
@@ -101,7 +102,7 @@ def test_titanium_on_steel(solved: Callable[[dict[str, Any]], Result]) -> None:
         # The zones of the two directions differ by 9 %.
         lengths = [zone.length for zone in one.slip_zones[-2:]]
         assert max(lengths) > 1.06 * min(lengths)
-        assert longest_verdict(one).word == longest_verdict(other).word == AGREES
+        assert longest_verdict(one).verdict == longest_verdict(other).verdict == Verdict.AGREES
 
 
 # Constants of alloys with beta = -.068 and .201 (hard metal on aluminium).

@@ -20,12 +20,13 @@ from fretfe.case import parse_case
 from fretfe.evaluate.factors import half_plane_units
 from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.pressure_fit import WINDOW
-from fretfe.evaluate.verdicts import AGREES, longest_verdict
+from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.halfplane import solve_half_planes
 from fretfe.halfplane.solver import build_interface
 from fretfe.history.solution import SLIP, ContactHistory
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.local.hat_functions import HatFunctions
+from fretfe.verdict import Verdict
 
 
 def unlike(given: HalfPlaneProblem, beta: float, guided: bool = True) -> HalfPlaneProblem:
@@ -165,7 +166,7 @@ def test_slip_zones_are_those_that_the_factors_predict(beta: float, friction: fl
         # Without (9)'s own error, d/(2a), what is left is of the order of f beta.
         expected = zone.length * (1 - zone.length / 2)
         assert zone.prediction == pytest.approx(expected, rel=0.5 * friction * abs(beta) + 0.005)
-        assert longest_verdict(station).word == AGREES
+        assert longest_verdict(station).verdict == Verdict.AGREES
         assert abs(station.exponent - 0.5) == pytest.approx(
             np.arctan(friction * abs(beta)) / np.pi, rel=1e-3
         )

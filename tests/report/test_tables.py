@@ -26,6 +26,7 @@ from fretfe.report.page.tables import contact_table, front_texts, station_table,
 from fretfe.report.texts import number, print_whole, with_error, with_prefix
 from fretfe.results.model import Result
 from fretfe.results.tables import edge_records, station_records
+from fretfe.verdict import Verdict
 
 WIDTH = 80
 WIDE = 1.23456e5
@@ -219,7 +220,7 @@ def test_benchmarks_fit() -> None:
     name = "largest difference of K_T and K_S from those of the sphere, over the largest"
     row = Row(
         benchmark="sphere", quantity=name, backend="halfplane", computed=-WIDE, reference=-WIDE,
-        difference=-1.2e-13, tolerance=2e-3, verdict="pass", reason="",
+        difference=-1.2e-13, tolerance=2e-3, verdict=Verdict.AGREES, reason="",
     )  # fmt: skip
     benchmark = SimpleNamespace(name="sphere", source="closed form")
     text = printed(lambda console: print_rows(console, benchmark, [row]))  # type: ignore[arg-type]
@@ -231,7 +232,7 @@ def test_benchmarks_fit() -> None:
 def test_validations_fit(sphere: Result) -> None:
     row = Checked(
         contact="a contact", edge="right", quantity="slip zone of the last half cycle by nodes",
-        value=-WIDE, reference=-WIDE, tolerance=1.2e-13, verdict="depends", reason="why",
+        value=-WIDE, reference=-WIDE, tolerance=1.2e-13, verdict=Verdict.DEPENDS, reason="why",
     )  # fmt: skip
     found = Validation(sphere, (row,))
     text = printed(lambda console: print_validation(console, found))

@@ -21,7 +21,12 @@ def result() -> Result:
 
 @pytest.mark.parametrize(
     ("share", "spread", "verdict"),
-    [(1.0, 0.0, "pass"), (1.07, 0.0, "FAIL"), (1.07, 0.17, "pass"), (1.07, 0.4, "-")],
+    [
+        (1.0, 0.0, "agrees"),
+        (1.07, 0.0, "differs"),
+        (1.07, 0.17, "agrees"),
+        (1.07, 0.4, "no verdict"),
+    ],
     ids=["equal", "off", "pin in a hole", "edge that hardly moves"],
 )
 def test_the_bar_of_the_movement_counts(

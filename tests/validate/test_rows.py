@@ -22,32 +22,35 @@ from fretfe.evaluate.contacts import SlipZone, fronts_of
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.plane.evaluate import with_shear
 from fretfe.evaluate.plane.section import PLANE_FRONTS
-from fretfe.evaluate.verdicts import NO_VERDICT, NOT_RESOLVED, Verdict, expected_error, judge
+from fretfe.evaluate.verdicts import Judgement, expected_error, judge
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
 from fretfe.quality.companions import MEAN, MESH, START, make_variants, overloaded, shifted
 from fretfe.quality.rows import Place, Row, own_rows
 from fretfe.quality.validation import validate
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 
 @pytest.mark.parametrize(
     ("value", "reference", "verdict"),
     [
-        (1.0, 1.05, "pass"),
-        (1.0, 0.89, "FAIL"),
-        (math.nan, 1.0, "FAIL"),
-        (1.0, math.nan, "FAIL"),
-        (math.nan, math.nan, "-"),
+        (1.0, 1.05, "agrees"),
+        (1.0, 0.89, "differs"),
+        (math.nan, 1.0, "differs"),
+        (1.0, math.nan, "differs"),
+        (math.nan, math.nan, "no verdict"),
     ],
 )
 def test_verdicts(value: float, reference: float, verdict: str) -> None:
     row = Place("main", "left").compared("d", value, reference, 0.1, "for a test")
     assert row.verdict == verdict
-    outside = Place("main", "left").compared("d", value, reference, 0.1, "for a test", "outside")
-    assert outside.verdict == verdict.replace("FAIL", "outside")
+    outside = Place("main", "left").compared(
+        "d", value, reference, 0.1, "for a test", Verdict.OUTSIDE
+    )
+    assert outside.verdict == verdict.replace("differs", "outside")
     whole = Place("main").missing("d", "no friction")
-    assert whole.verdict == "-"
+    assert whole.verdict == "no verdict"
     assert (row.where, whole.where) == ("main, left edge", "main")
 
 
@@ -58,11 +61,11 @@ def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> No
     station = contact.stations[0]
     zone = replace(station.slip_zones[-1], resolved=False)
 
-    def judged(size: float, zone: SlipZone) -> Verdict:
+    def judged(size: float, zone: SlipZone) -> Judgement:
         return judge(replace(station, size=size), zone)
 
     found = judged(0.9 * zone.length, zone)
-    assert found.word == NOT_RESOLVED
+    assert found.verdict == Verdict.NOT_RESOLVED
     assert found.reason.startswith("too few elements over the slip zone: 1.1 of")
     assert "known to ±" in judged(zone.length / 10, zone).reason
 
@@ -72,9 +75,9 @@ def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> No
         sheared, front = replace(history, mean_traction=traction), PLANE_FRONTS[0]
         return with_shear(sheared, front, station.position, contact.centre, zone, 0.0)
 
-    assert judged(0.9 * zone.length, slid(0.9)).word == NOT_RESOLVED
+    assert judged(0.9 * zone.length, slid(0.9)).verdict == Verdict.NOT_RESOLVED
     sliding = judged(0.9 * zone.length, slid(-0.98))
-    assert sliding.word == NO_VERDICT
+    assert sliding.verdict == Verdict.NO_VERDICT
     assert "the shear is 98% of f p all over the flank" in sliding.reason
 
 
@@ -101,8 +104,8 @@ def verdicts(rows: list[Row], quantity: str) -> set[str]:
 
 def test_a_good_run_passes() -> None:
     rows = list(own_rows(halfplane(0.15)))
-    assert {row.verdict for row in rows} == {"pass", "-"}
-    assert verdicts(rows, "half cycle") == verdicts(rows, "moving edge") == {"pass"}
+    assert {row.verdict for row in rows} == {"agrees", "no verdict"}
+    assert verdicts(rows, "half cycle") == verdicts(rows, "moving edge") == {"agrees"}
 
 
 def test_a_first_loading_that_stays_in_the_shear_is_no_failure() -> None:
@@ -111,7 +114,7 @@ def test_a_first_loading_that_stays_in_the_shear_is_no_failure() -> None:
     rows = {row.quantity: row for row in own_rows(halfplane(0.2, mean=0.2)) if row.edge == "left"}
     for number in (1, 2):
         row = rows[f"d, by traction, half cycle {number}"]
-        assert row.verdict == "pass" and row.value == pytest.approx(row.reference, rel=0.03), row
+        assert row.verdict == "agrees" and row.value == pytest.approx(row.reference, rel=0.03), row
 
 
 def test_what_does_not_exist_is_no_failure() -> None:
@@ -121,7 +124,7 @@ def test_what_does_not_exist_is_no_failure() -> None:
     fronts = fronts_of(replace(edge, stiffening=math.nan) for edge in contact.stations)
     edited = replace(contact, fronts=fronts, cycle_change=math.nan)
     rows = list(own_rows(replace(result, contacts=(edited,))))
-    assert verdicts(rows, "change of q") == verdicts(rows, "d, by formula") == {"-"}
+    assert verdicts(rows, "change of q") == verdicts(rows, "d, by formula") == {"no verdict"}
 
 
 def test_large_expected_error_does_not_excuse_a_large_difference() -> None:
@@ -151,7 +154,7 @@ def test_long_slip_zones_are_outside_and_no_failure() -> None:
     result = halfplane(0.85)
     rows = list(own_rows(result))
     asymptote = [row for row in rows if "by formula" in row.quantity]
-    assert {row.verdict for row in asymptote} <= {"pass", "outside"}
+    assert {row.verdict for row in asymptote} <= {"agrees", "outside"}
     assert all("use the computed length" in row.reason for row in asymptote)
 
 
@@ -166,14 +169,14 @@ def test_what_is_wrong_fails() -> None:
 
     zones = contact.stations[0].slip_zones
     longer = (*zones[:-1], replace(zones[-1], length=1.5 * zones[-1].length))
-    assert "FAIL" in verdicts(with_edge(slip_zones=longer), "half cycle 2")
+    assert "differs" in verdicts(with_edge(slip_zones=longer), "half cycle 2")
     moved = (*zones[:-1], replace(zones[-1], border=zones[-1].border + 0.02))
-    assert "FAIL" in verdicts(with_edge(slip_zones=moved), "inner end")
-    assert "FAIL" in verdicts(with_edge(k_n=1.1 * contact.stations[0].k_n), "moving edge")
+    assert "differs" in verdicts(with_edge(slip_zones=moved), "inner end")
+    assert "differs" in verdicts(with_edge(k_n=1.1 * contact.stations[0].k_n), "moving edge")
     changes = {"k_t_range_fitted": 1.05 * contact.stations[0].k_t_range}
-    assert "FAIL" in verdicts(with_edge(**changes), "by fit")
+    assert "differs" in verdicts(with_edge(**changes), "by fit")
     unsteady = replace(result, contacts=(replace(contact, cycle_change=0.1),))
-    assert verdicts(list(own_rows(unsteady)), "change of q") == {"FAIL"}
+    assert verdicts(list(own_rows(unsteady)), "change of q") == {"differs"}
     strange = replace(result, contacts=(replace(contact, shear_mismatch=0.2),))
     assert verdicts(list(own_rows(strange)), "Q by ΔK_T") == {"outside"}
 
@@ -226,8 +229,8 @@ def test_validation_of_half_planes() -> None:
     first, plan, *companions = told.phases
     assert [first, *companions] == ["the case itself", MEAN, START]
     assert plan.startswith("2 companions: ")
-    assert verdicts(list(validation.rows), f"d {MEAN}") == {"pass"}
-    assert verdicts(list(validation.rows), f"d {START}") == {"pass"}
+    assert verdicts(list(validation.rows), f"d {MEAN}") == {"agrees"}
+    assert verdicts(list(validation.rows), f"d {START}") == {"agrees"}
 
 
 class Sliding:
@@ -254,7 +257,7 @@ class Sliding:
 
 def test_companions_that_disagree() -> None:
     rows = list(validate(case(), Sliding()).rows)
-    assert verdicts(rows, f"d {MEAN}") == {"FAIL"}
+    assert verdicts(rows, f"d {MEAN}") == {"differs"}
     # another start may lead to another steady state: said, not failed
     assert verdicts(rows, f"d {START}") == {"depends"}
 

@@ -61,16 +61,16 @@ def test_nine_tenths_of_the_stations_must_agree(circle: Front) -> None:
     values = np.ones(20)
     two_off = np.r_[1.5, 1.5, np.full(18, 1.05)]
     row = row_of(values, two_off, circle)
-    assert (row.verdict, row.reference) == ("pass", 1.05)
+    assert (row.verdict, row.reference) == ("agrees", 1.05)
     assert "18 of 20 stations agree" in row.reason
     assert row.where == "main, front 1"
     three_off = np.r_[1.5, 1.5, 1.5, np.full(17, 1.05)]
-    assert row_of(values, three_off, circle).verdict == "FAIL"
+    assert row_of(values, three_off, circle).verdict == "differs"
 
 
 def test_few_numbers_are_no_comparison(circle: Front) -> None:
     row = row_of(np.ones(20), np.r_[np.full(11, np.nan), np.ones(9)], circle)
-    assert row.verdict == "-" and "at 9 of 20 stations" in row.reason
+    assert row.verdict == "no verdict" and "at 9 of 20 stations" in row.reason
 
 
 def test_numbers_between_the_stations(circle: Front) -> None:
@@ -106,14 +106,14 @@ def test_front_elsewhere_or_of_the_other_side_is_no_partner(circle: Front) -> No
 
 
 def test_companion_mesh_within_the_error_bars(circle: Front) -> None:
-    for factor, verdict in ((1.005, "pass"), (1.3, "FAIL")):
+    for factor, verdict in ((1.005, "agrees"), (1.3, "differs")):
         other = result_with(scaled(circle, factor))
         rows = {row.quantity: row for row in companion_rows(MESH, result_with(circle), other)}
         row = rows[f"K_N {MESH}"]
         assert row.verdict == verdict
         assert row.reference == pytest.approx(factor * row.value, rel=0.05)
     (lost,) = companion_rows(MESH, result_with(circle), solid_runs.solid_result())
-    assert lost.verdict == "-" and "no such front" in lost.reason
+    assert lost.verdict == "no verdict" and "no such front" in lost.reason
 
 
 def with_zones(front: Front, **values: float) -> Front:
@@ -136,9 +136,9 @@ def slip_rows(front: Front) -> dict[tuple[str, str], Row]:
 @pytest.mark.parametrize(
     ("nodes", "formula", "verdicts"),
     [
-        (0.05, 0.05, ("pass", "pass")),
-        (0.02, 0.05, ("FAIL", "pass")),
-        (0.05, 0.09, ("pass", "FAIL")),
+        (0.05, 0.05, ("agrees", "agrees")),
+        (0.02, 0.05, ("differs", "agrees")),
+        (0.05, 0.09, ("agrees", "differs")),
     ],
 )
 def test_plane_problem_against_nodes_and_formula(
@@ -158,7 +158,7 @@ def test_plane_problem_against_nodes_and_formula(
 
 def test_without_plane_problems_the_nodes_have_the_formula_alone(circle: Front) -> None:
     rows = slip_rows(with_zones(circle))
-    assert rows["front 1, station 5", "d, by formula, half cycle 2"].verdict == "pass"
+    assert rows["front 1, station 5", "d, by formula, half cycle 2"].verdict == "agrees"
     assert not any("plane problem" in quantity for _, quantity in rows)
 
 
@@ -170,9 +170,9 @@ def test_worst_station_has_lines_of_its_own_on_the_coarser_mesh(circle: Front) -
         for row in companion_rows(MESH, result_with(front), result_with(coarse))
     }
     for edge in ("front 1", "front 1, station 5"):
-        assert rows[edge, f"K_N {MESH}"].verdict == "pass"
+        assert rows[edge, f"K_N {MESH}"].verdict == "agrees"
         d = rows[edge, f"d {MESH}"]
-        assert d.verdict == "FAIL" and (d.value, d.reference) == pytest.approx((0.05, 0.07))
+        assert d.verdict == "differs" and (d.value, d.reference) == pytest.approx((0.05, 0.07))
 
 
 def test_factors_against_half_spaces(circle: Front) -> None:
@@ -181,7 +181,7 @@ def test_factors_against_half_spaces(circle: Front) -> None:
         row.quantity: row
         for row in own_rows(result_with(replace(circle, half_space_ratios=ratios)))
     }
-    assert rows["K_T, K_S / by half-spaces"].verdict == "pass"
+    assert rows["K_T, K_S / by half-spaces"].verdict == "agrees"
     assert rows["K_N / by half-spaces"].verdict == "outside"
     unlike = replace(ratios, reason="the front is open")
     rows = {
@@ -210,7 +210,7 @@ def test_companion_of_few_elements_is_finer(circle: Front) -> None:
         assert name in {*(each.name for each in variants), *reasons}
     rows = companion_rows(FINE, result_with(circle), result_with(scaled(circle, 1.005)))
     (row,) = (each for each in rows if each.quantity == f"K_N {FINE}" and each.edge == "front 1")
-    assert row.verdict == "pass" and row.reason.startswith("elements 0.71 times as large")
+    assert row.verdict == "agrees" and row.reason.startswith("elements 0.71 times as large")
 
 
 def test_layers_of_an_extruded_case_are_thicker_in_its_companion() -> None:

@@ -26,13 +26,13 @@ def quantity(value: float, *, needs_tractions: bool = False) -> Quantity:
 @pytest.mark.parametrize(
     ("value", "backend", "difference", "verdict"),
     [
-        (4.015, "good", 0.0075, "pass"),
-        (3.985, "good", -0.0075, "pass"),
-        (4.03, "good", 0.015, "fail"),
-        (3.97, "good", -0.015, "fail"),
-        (4.03, "coarse", 0.015, "pass"),
-        (4.19, "foreign", 0.095, "pass"),
-        (4.21, "foreign", 0.105, "fail"),
+        (4.015, "good", 0.0075, "agrees"),
+        (3.985, "good", -0.0075, "agrees"),
+        (4.03, "good", 0.015, "differs"),
+        (3.97, "good", -0.015, "differs"),
+        (4.03, "coarse", 0.015, "agrees"),
+        (4.19, "foreign", 0.095, "agrees"),
+        (4.21, "foreign", 0.105, "differs"),
     ],
 )
 def test_difference_is_a_fraction_of_the_scale(
@@ -46,7 +46,7 @@ def test_difference_is_a_fraction_of_the_scale(
 @pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
 def test_no_value_is_a_failure(value: float) -> None:
     row = compare("benchmark", quantity(value), "good", RESULT)
-    assert (row.computed, row.difference, row.verdict) == (None, None, "fail")
+    assert (row.computed, row.difference, row.verdict) == (None, None, "differs")
     assert "no value" in row.reason
 
 
@@ -63,9 +63,9 @@ def rows(*verdicts: Verdict) -> tuple[Row, ...]:
 @pytest.mark.parametrize(
     ("verdicts", "expected"),
     [
-        (("pass", "skipped", "caught"), False),
-        (("pass", "fail"), True),
-        (("pass", "NOT CAUGHT"), True),
+        (("agrees", "skipped", "caught"), False),
+        (("agrees", "differs"), True),
+        (("agrees", "not caught"), True),
         (("skipped", "skipped"), True),
         ((), True),
     ],

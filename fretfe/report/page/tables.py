@@ -19,7 +19,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
-from fretfe.evaluate.verdicts import AGREES, NO_ZONE, judge, longest_verdict
+from fretfe.evaluate.verdicts import judge, longest_verdict
 from fretfe.report.page.evaluated import cycle_sentences
 from fretfe.report.source import force_unit, shown_stations, work_unit
 from fretfe.report.texts import (
@@ -32,6 +32,7 @@ from fretfe.report.texts import (
     with_prefix,
 )
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 HEADERS = (
     *("contact", "edge", "cycles", "from t", "to t"),
@@ -298,10 +299,10 @@ def _front_table(run: Result) -> Table:
     return table
 
 
-def _count_verdicts(stations: Iterable[Station]) -> Counter[str]:
+def _count_verdicts(stations: Iterable[Station]) -> Counter[Verdict]:
     """Numbers of the stations by the verdict on their longer slip zone, unknown ones included."""
-    words = Counter(longest_verdict(each).word for each in stations)
-    del words[NO_ZONE]
+    words = Counter(longest_verdict(each).verdict for each in stations)
+    del words[Verdict.NO_ZONE]
     return words
 
 
@@ -356,7 +357,7 @@ class ZoneAnswer:
     Attributes:
         time: of the half cycle.
         found, predicted, ratio: lengths, and the second over the first.
-        verdict: one word, or two.
+        verdict: on it.
         reason: what the verdict rests on.
     """
 
@@ -364,7 +365,7 @@ class ZoneAnswer:
     found: str
     predicted: str
     ratio: str
-    verdict: str
+    verdict: Verdict
     reason: str
 
 
@@ -415,7 +416,7 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
         else marked(length, zone.uncertain) + _counted_from(edge, [zone]),
         predicted=_predicted(edge, zone),
         ratio=number(ratio, 3),
-        verdict=verdict.word,
+        verdict=verdict.verdict,
         reason=verdict.reason,
     )
 
@@ -443,8 +444,8 @@ def front_texts(run: Result) -> tuple[str, ...]:
     local = sum(math.isfinite(zone.local) for zone in zones)
     by = f", by the plane problem next to the station at {local} of them," if local else ""
     text += (
-        f"stations. At {words[AGREES]} of {words.total()} the longer of the last two slip zones "
-        f"found{by} {_agreement(words)}"
+        f"stations. At {words[Verdict.AGREES]} of {words.total()} the longer of the last two slip "
+        f"zones found{by} {_agreement(words)}"
     )
     return tuple(filter(None, (*worst, text, _work_text(run), _end_text(run, named))))
 
@@ -561,14 +562,16 @@ def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool) -> str:
     if irregular:
         which = f"{words.total()} half cycles of the worst counted cycles"
     return (
-        f"{len(answers)} contact edges. In {words[AGREES]} of the {which} the slip zone found "
-        f"{_agreement(words)}"
+        f"{len(answers)} contact edges. In {words[Verdict.AGREES]} of the {which} the slip zone "
+        f"found {_agreement(words)}"
     )
 
 
-def _agreement(words: Counter[str]) -> str:
+def _agreement(words: Counter[Verdict]) -> str:
     """End of a sentence on slip zones, with the numbers of those that do not agree."""
-    others = ", ".join(f"{count} {word}" for word, count in words.items() if word != AGREES)
+    others = ", ".join(
+        f"{count} {word}" for word, count in words.items() if word is not Verdict.AGREES
+    )
     told = f" ({others})" if others else ""
     return f"agrees with the one predicted by the edge factors{told}."
 
