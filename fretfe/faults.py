@@ -7,6 +7,7 @@ unknown, the rest goes on, and the traceback is kept in the folder of the run.
 
 from __future__ import annotations
 
+import re
 import sys
 import time
 import traceback
@@ -120,7 +121,7 @@ def guarded(place: str, work: Callable[[], T], otherwise: Callable[[Fault], T]) 
 
 def said(error: BaseException) -> str:
     """Type and text of an error, in one line."""
-    text = " ".join(str(error).split())
+    text = re.sub(r"\s+", " ", str(error)).strip()
     return f"{type(error).__name__}: {text}" if text else type(error).__name__
 
 

@@ -386,7 +386,7 @@ def test_command(tmp_path: Path) -> None:
     assert "main left K_N [MPa/√mm]" in text and "one two difference" in text
     assert "p differs by 0.00%, q by 0.00% of f p" in text
     written = json.loads((tmp_path / "out" / "comparison.json").read_text("utf-8"))
-    assert written["schema"] == {"name": "fretfe-comparison", "version": 1}
+    assert written["schema"] == {"name": "fretfe-comparison", "version": 2}
     assert written["contacts"] == [["main", "main"]]
     pictures = {path.name for path in (tmp_path / "out").glob("*.png")}
     assert pictures == {"differences.png", "tractions.png", "histories.png"}

@@ -404,7 +404,7 @@ def test_the_command_writes_cases_and_numbers(solved: Result, tmp_path: Path) ->
     assert done.exit_code == 0, done.output
     assert fretfe.load_case(tmp_path / "tests" / "cylinder.toml").title.endswith("cylinder")
     numbers = json.loads((tmp_path / "tests" / "match.json").read_text())
-    assert numbers["schema"] == {"name": "fretfe-match", "version": 1}
+    assert numbers["schema"] == {"name": "fretfe-match", "version": 2}
     (choice,) = numbers["shapes"][0]["choices"]
     assert choice["normal_force"] == pytest.approx(600.0, rel=4e-5)
     done = CliRunner().invoke(app, [*words, "--against", str(solved.directory)])

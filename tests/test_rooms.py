@@ -22,6 +22,8 @@ READS = {
     *("split", "rsplit", "partition", "rpartition", "splitlines"),
 }
 PATTERNS = {"search", "match", "fullmatch", "findall", "finditer"}
+# Collections: what is in them is asked for itself.
+MANY = {each for each in SAID if each.endswith("s")} - {"messages"}
 # Messages of other programs, which have no types. Only modules that run these read them.
 OF_OTHERS = {
     "case/toml_file.py": "tomllib: the line of a mistake",
@@ -29,7 +31,16 @@ OF_OTHERS = {
     "mesh/contained.py": "Python: a traceback of a child process",
     "mesh/gmsh.py": "gmsh: errors of a script, and commands that it does not know",
     "report/pictures/folder.py": "Python and OpenGL: the end of a child process",
+    "mesh/cad.py": "labels that a STEP file has",
+    "mesh/inp_outline.py": "labels that a deck has",
     "results/hdf5_file.py": "HDF5: a checksum that does not fit",
+}
+
+
+# Of fretfe itself, still to be given a type: this list only shrinks.
+STILL = {
+    "mesh/load.py": "whether an error names the case",
+    "mesh/inp_groups.py": "the folder in the place of a card",
 }
 
 
@@ -44,18 +55,23 @@ def said(node: ast.expr) -> bool:
     return isinstance(node, ast.Name) and node.id in SAID
 
 
+def many(node: ast.expr) -> bool:
+    """True for a collection of messages."""
+    name = getattr(node, "attr", getattr(node, "id", ""))
+    return name in MANY
+
+
 def reads(source: str) -> Iterator[int]:
     """Lines that look into a message."""
     for node in ast.walk(ast.parse(source)):
         if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
             method, owner = node.func.attr, node.func.value
-            of_string = method in READS and said(owner) and not isinstance(owner, ast.Call)
-            of_text = method in READS and isinstance(owner, ast.Call) and said(owner)
-            if of_string or of_text or (method in PATTERNS and any(map(said, node.args))):
+            looks = method in READS and said(owner) and not many(owner)
+            if looks or (method in PATTERNS and any(map(said, node.args))):
                 yield node.lineno
         elif isinstance(node, ast.Compare):
             for operator, right in zip(node.ops, node.comparators, strict=True):
-                if isinstance(operator, ast.In | ast.NotIn) and said(right):
+                if isinstance(operator, ast.In | ast.NotIn) and said(right) and not many(right):
                     yield node.lineno
 
 
@@ -65,8 +81,9 @@ def test_no_code_reads_messages() -> None:
         for path in sorted(ROOT.rglob("*.py"))
     }
     known = {name for name, lines in found.items() if lines}
-    assert {name: found[name] for name in known - OF_OTHERS.keys()} == {}
-    assert OF_OTHERS.keys() - known == set()
+    listed = OF_OTHERS.keys() | STILL.keys()
+    assert {name: found[name] for name in known - listed} == {}
+    assert listed - known == set()
 
 
 @pytest.mark.parametrize(
@@ -79,6 +96,8 @@ def test_no_code_reads_messages() -> None:
         ("PATTERN.search(str(error))", True),
         ("each.verdict.split()", True),
         ("'K_N' not in fault.reason", True),
+        ("messages.splitlines()", True),
+        ("caution in contact.warnings", False),
         ("verdict is Verdict.AGREES", False),
         ("Kind.UNITS in {each.kind for each in contact.warnings}", False),
         ("text.split()", False),

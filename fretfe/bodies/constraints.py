@@ -23,7 +23,7 @@ from fretfe.bodies.point_values import (
 from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.base import AXES
 from fretfe.case.loads import DisplacementLoad, FieldLoad, PlatenLoad, ShapeLoad, TiltLoad
-from fretfe.contact.interface import Course
+from fretfe.contact.interface import Course, Resultant
 from fretfe.errors import CaseError, MeshError
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.surface import boundary_surface
@@ -69,7 +69,7 @@ class Constraint:
         shape: displacement of each node of the boundary, if it is no rigid motion.
         at: (gdim,) place of the only node of the boundary that it holds; empty for all of them.
         within: distance up to which a node is at that place.
-        resultant: whether it is there to tell a force or moment, and holds what moves by a shape.
+        resultant: force or moment that it gives where it holds what moves by a shape.
     """
 
     label: str
@@ -81,7 +81,7 @@ class Constraint:
     shape: NodalShape | None = None
     at: tuple[float, ...] = ()
     within: float = 0.0
-    resultant: bool = False
+    resultant: Resultant | None = None
 
     def holds(self, points: Array) -> Bools:
         """(n,) which nodes of its boundary, at points (n, gdim), it constrains."""
@@ -239,12 +239,13 @@ def _resultant(name: str, boundary: str, places: Array) -> list[Driven]:
     centre = tuple(((places.min(axis=0) + places.max(axis=0)) / 2).tolist())
     axes = {axis: unit_vector(axis, 3) for axis in AXES}
     moves = [
-        Constraint(f"{name} force {axis}", boundary, unit_vector(axis, gdim), resultant=True)
+        Constraint(f"{name} force {axis}", boundary, unit_vector(axis, gdim),
+                   resultant=Resultant(name, "force"))
         for axis in AXES[:gdim]
-    ]
+    ]  # fmt: skip
     turns = [
         Constraint(f"{name} moment {axis}", boundary, (0.0,) * gdim, axis=vector, centre=centre,
-                   resultant=True)
+                   resultant=Resultant(name, "moment"))
         for axis, vector in axes.items()
         if gdim == 3 or axis == "z"
     ]  # fmt: skip

@@ -146,7 +146,14 @@ def _define_body(
         material=Material.of(case.bodies[name], case.model.plane),
         constraints=tuple(each.constraint for each in constrained),
         coordinates=tuple(
-            Coordinate(each.constraint.label, name, each.control, each.channel, each.course)
+            Coordinate(
+                each.constraint.label,
+                name,
+                each.control,
+                each.channel,
+                each.course,
+                each.constraint.resultant,
+            )
             for each in constrained
         ),
         surfaces=tuple(surfaces),

@@ -187,8 +187,8 @@ def _held_cuts(interface: Interface, fixed: Bools) -> Bools | None:
     found = interface.coordinates
     moved = np.array([c.course is not None for c in found], dtype=bool)
     channels = {c.channel for c in found if c.course is not None}
-    rigid = {f"{name} {what}" for name in channels for what in ("force", "moment")}
-    turned = fixed & [c.label.rpartition(" ")[0] in rigid for c in found]
+    rigid = [c.resultant is not None and c.resultant.load in channels for c in found]
+    turned = fixed & np.array(rigid, dtype=bool)
     if not moved.any():
         return None
     if unresisted_motions(interface, turned).shape[1]:

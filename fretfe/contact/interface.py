@@ -7,7 +7,7 @@ import hashlib
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, Protocol
+from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,6 +117,18 @@ class Course:
         return np.interp(positions, self.positions, self.values)
 
 
+class Resultant(NamedTuple):
+    """A force or moment on a boundary that moves by the field of another run.
+
+    Attributes:
+        load: name of the load with that field.
+        kind: of resultant.
+    """
+
+    load: str
+    kind: Literal["force", "moment"]
+
+
 @dataclass(frozen=True)
 class Coordinate:
     """One amplitude c_j of the interface problem.
@@ -128,6 +140,7 @@ class Coordinate:
             restrained only by contact; no force acts on it).
         channel: name of the load that drives it, "" if none.
         course: of its amplitude over the values of that load; None if they are the amplitude.
+        resultant: that it gives, whose motion is held; None of what moves or carries by itself.
     """
 
     label: str
@@ -135,6 +148,7 @@ class Coordinate:
     control: str
     channel: str = ""
     course: Course | None = None
+    resultant: Resultant | None = None
 
     def amplitudes(self, values: Array) -> Array:
         """(T,) amplitudes, or forces, by values (T,) of its load."""

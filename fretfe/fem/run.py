@@ -15,10 +15,10 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.continued import continued_nodes
-from fretfe.bodies.definition import Pair, require_possible
+from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
 from fretfe.bodies.load_files import checked_history
 from fretfe.case import Case, FieldLoad, Wave, case_notes
-from fretfe.contact.interface import Place
+from fretfe.contact.interface import Place, Resultant
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
 from fretfe.contact.state import StepLoads
@@ -120,8 +120,9 @@ def solve_prepared(
         return replace(result, notes=result.notes + lead.run(run.write))
 
 
-def _cut_notes(case: Case, solution: Solution) -> Iterator[str]:
+def _cut_notes(case: Case, definition: ModelDefinition, solution: Solution) -> Iterator[str]:
     """Largest resultants on boundaries that another run moves, in words."""
+    known = [each for body in definition.bodies for each in body.coordinates]
     solid, units = solution.dimension == 3, case.units
     force, moment = units.force, f"{units.force}·{units.length}"
     if not solid:
@@ -129,9 +130,10 @@ def _cut_notes(case: Case, solution: Solution) -> Iterator[str]:
     for name, load in case.loads.items():
         if isinstance(load, FieldLoad):
             largest = []
-            for what in ("force", "moment"):
-                labels = [label.startswith(f"{name} {what} ") for label in solution.coordinates]
-                own = np.asarray(solution.forces)[:, labels]
+            for wanted in (Resultant(name, "force"), Resultant(name, "moment")):
+                given = {each.label for each in known if each.resultant == wanted}
+                columns = [label in given for label in solution.coordinates]
+                own = np.asarray(solution.forces)[:, columns]
                 largest.append(float(np.linalg.norm(own, axis=1).max()))
             yield (
                 f"loads.{name}: the largest force on the cut is {largest[0]:.4g} {force}, the "
@@ -212,7 +214,7 @@ class _Run:
             notes=(
                 *case_notes(case),
                 *model.notes,
-                *_cut_notes(case, solution),
+                *_cut_notes(case, model.reduction.definition, solution),
                 *self._prepared.mesh.notes,
                 *divided,
                 *repeats,

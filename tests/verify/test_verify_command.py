@@ -38,7 +38,7 @@ def document() -> dict[str, Any]:
 
 
 def test_json_document(document: dict[str, Any]) -> None:
-    assert document["schema"] == {"name": "fretfe-verify", "version": 1}
+    assert document["schema"] == {"name": "fretfe-verify", "version": 2}
     assert document["passed"] is True
     assert "fretfe" in document["versions"]
     assert list(document["seconds"]) == ["analytic"]
