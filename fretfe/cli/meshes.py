@@ -77,9 +77,11 @@ def _print(checked: Checked) -> None:
             f"{len(pair.coupling.surface.weights)} multiplier nodes",
             highlight=False,
         )
-    for name, motion in checked.restrained_modes.items():
-        text = f"Note: without contact {name} is free {motion}."
-        console.print(text, highlight=False, markup=False)
+    modes = checked.restrained_modes
+    for motion in dict.fromkeys(modes.values()):
+        names = [name for name, own in modes.items() if own == motion]
+        free = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} free {motion}"
+        console.print(f"Note: without contact {free}.", highlight=False, markup=False)
     for note in checked.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     cycle = "no cycle to evaluate"
