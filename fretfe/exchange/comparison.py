@@ -85,7 +85,7 @@ class QuantityPair:
 
     @property
     def verdict(self) -> Verdict:
-        """Whether the difference is within its error bar."""
+        """Verdict on the difference by its error bar."""
         if not (math.isfinite(self.difference) and math.isfinite(self.difference_spread)):
             return Verdict.UNKNOWN
         agrees = abs(self.difference) <= self.difference_spread

@@ -14,6 +14,7 @@ import pytest
 from pad_cases import pad
 
 from fretfe.case import parse_case
+from fretfe.caution import Caution, Kind, Subject
 from fretfe.errors import OutputError
 from fretfe.halfplane import solve_half_planes
 from fretfe.results.reader import load_result
@@ -89,4 +90,27 @@ def test_a_pipe_in_place_of_a_file_is_not_waited_for(
     (tmp_path / name).unlink()
     os.mkfifo(tmp_path / name)
     with pytest.raises(OutputError, match=f"{name}: expected a file of results, found a pipe"):
+        load_result(tmp_path)
+
+
+def test_an_old_folder_names_the_version_that_reads_it(tmp_path: Path, folder: Path) -> None:
+    numbers = copied(folder, tmp_path)
+    numbers["schema"]["version"] -= 1
+    numbers["versions"]["fretfe"] = "0.0.9"
+    written(tmp_path, numbers)
+    with pytest.raises(OutputError, match=r"read it with fretfe 0\.0\.9, which wrote it, or run"):
+        load_result(tmp_path)
+
+
+def test_warnings_keep_kind_and_subject(tmp_path: Path, folder: Path) -> None:
+    numbers = copied(folder, tmp_path)
+    subject = {"contact": "main", "front": "left"}
+    told = {"kind": "K_N uncertain", "subject": subject, "text": "K_N is 1 ± .1"}
+    numbers["contacts"]["main"]["warnings"] = [told]
+    written(tmp_path, numbers)
+    (found,) = load_result(tmp_path).warnings
+    assert found == Caution(Kind.K_N_UNCERTAIN, Subject("main", "left"), "K_N is 1 ± .1")
+    told["kind"] = "of another version"
+    written(tmp_path, numbers)
+    with pytest.raises(OutputError, match="'of another version' is not a valid Kind"):
         load_result(tmp_path)
