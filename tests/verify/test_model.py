@@ -64,13 +64,13 @@ def rows(*verdicts: Verdict) -> tuple[Row, ...]:
 @pytest.mark.parametrize(
     ("verdicts", "expected"),
     [
-        (("agrees", "skipped", "caught"), False),
-        (("agrees", "differs"), True),
-        (("agrees", "not caught"), True),
-        (("skipped", "skipped"), True),
+        ((Verdict.AGREES, Verdict.SKIPPED, Verdict.CAUGHT), False),
+        ((Verdict.AGREES, Verdict.DIFFERS), True),
+        ((Verdict.AGREES, Verdict.NOT_CAUGHT), True),
+        ((Verdict.SKIPPED, Verdict.SKIPPED), True),
         ((), True),
     ],
     ids=["good", "one fails", "control not caught", "nothing run", "no rows"],
 )
-def test_a_verification_fails(verdicts: tuple[str, ...], expected: bool) -> None:
-    assert failed(rows(*map(Verdict, verdicts))) is expected
+def test_a_verification_fails(verdicts: tuple[Verdict, ...], expected: bool) -> None:
+    assert failed(rows(*verdicts)) is expected
