@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -21,6 +22,7 @@ from fretfe.evaluate.refinement import (
     StationValues,
     edge_changes,
     extrapolate,
+    names_before,
 )
 from fretfe.evaluate.resolution import (
     BLIND,
@@ -152,8 +154,31 @@ def edge(k_n: float = 10.0, k_t: float = 2.0, *slip: float) -> StationValues:
 
 def changed(before: StationValues, after: StationValues) -> tuple[float, ...]:
     """Change of each kind of value."""
-    done = Pass(100, 0.1, (after,), True, edge_changes([before], [after]))
+    done = Pass(100, 0.1, (after,), True, edge_changes([before], [after], {"main": "main"}))
     return tuple(done.of_kind(kind) for kind in KINDS)
+
+
+def test_patches_that_swap_their_numbers_are_compared_by_place() -> None:
+    """The wide patch on the left and the narrow one on the right have each other's name before."""
+    wide, narrow = edge(10.0, 2.0), edge(5.0, 1.0)
+    one, two = "main[1]", "main[2]"
+    before = [replace(wide, contact=one), replace(narrow, contact=two)]
+    after = [replace(narrow, contact=one), replace(wide, contact=two)]
+
+    def patch(name: str, centre: float, half_width: float) -> Contact:
+        station = SimpleNamespace(last=0)
+        histories = {"centre": np.array([centre]), "half_width": np.array([half_width])}
+        found = SimpleNamespace(name=name, pair="main", stations=(station,), **histories)
+        return cast(Contact, found)
+
+    coarse = [patch(one, -3.0, 1.0), patch(two, 3.0, 0.5)]
+    fine = [patch(one, 3.01, 0.5), patch(two, -3.02, 1.0)]
+    names = names_before(coarse, fine)
+    assert names == {one: two, two: one}
+    changes = edge_changes(before, after, names)
+    assert len(changes) == 4 and all(change.size == 0 for change in changes)
+    # A patch that is new has nothing to be compared with.
+    assert edge_changes(before, after, names_before(coarse[:1], fine)) == ()
 
 
 @pytest.mark.parametrize(

@@ -24,6 +24,7 @@ from fretfe.evaluate.refinement import (
     Pass,
     Refinement,
     edge_changes,
+    names_before,
     solid_values,
     station_changes,
 )
@@ -346,13 +347,14 @@ class PlanePasses(Passes):
         self._growth = growth_for(self._tolerance, case.model.degree)
         self._sources: tuple[Source, ...] = ()
         self._level = 0
+        self._before: tuple[Contact, ...] = ()
 
     def _noted(self) -> dict[str, Any]:
         sources = [{"points": each.points.tolist(), "size": each.size} for each in self._sources]
         return {"level": self._level, "sources": sources}
 
     def _follow(self, note: dict[str, Any], last: Result) -> None:
-        self._level = note["level"]
+        self._level, self._before = note["level"], last.contacts
         self._sources = tuple(
             Source(np.array(each["points"]), each["size"]) for each in note["sources"]
         )
@@ -373,7 +375,9 @@ class PlanePasses(Passes):
             stations=values,
             resolved=all(math.isfinite(each.k_n) for each in values)
             and resolves(solution, needed_sizes(solution, contacts, 0)),
-            changes=edge_changes(before.stations if before else (), values),
+            changes=edge_changes(
+                before.stations if before else (), values, names_before(self._before, contacts)
+            ),
         )
 
     def _hopeless(self, result: Result) -> str:
@@ -381,7 +385,7 @@ class PlanePasses(Passes):
         return hopeless(result.solution, result.contacts)
 
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
-        solution = result.solution
+        solution, self._before = result.solution, result.contacts
         assert solution is not None
         # A mesh that still does not show all of a slip zone must not keep the others waiting.
         self._level += self._done[-1].resolved or len(self._done) > UNRESOLVED_PASSES

@@ -9,14 +9,14 @@ edge, which has a name; the stations of solids are compared by their places.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, Station
-from fretfe.evaluate.partners import front_partners, nearest_places
+from fretfe.evaluate.partners import contact_partners, front_partners, nearest_places
 from fretfe.history.solution import Solution
 
 # Reads one number of a station.
@@ -206,12 +206,28 @@ def extrapolate(values: Sequence[float]) -> float:
 
 
 def edge_changes(
-    before: Sequence[StationValues], after: Sequence[StationValues]
+    before: Sequence[StationValues],
+    after: Sequence[StationValues],
+    names: Mapping[str, str],
 ) -> tuple[Change, ...]:
-    """Changes at edges of plane contacts; none unless both passes have the same ones."""
-    if [each.key for each in before] != [each.key for each in after]:
+    """Changes at edges of plane contacts; none unless both passes have the same ones.
+
+    Args:
+        before: values on the coarser mesh.
+        after: on the finer one.
+        names: of the contacts after, that each had before.
+    """
+    known = {each.key: each.values for each in before}
+    keys = [(names.get(name), front, zones) for name, front, zones in (x.key for x in after)]
+    if len(known) != len(keys) or any(key not in known for key in keys):
         return ()
-    return _largest(after, [each.values for each in before])
+    return _largest(after, [known[key] for key in keys if key in known])
+
+
+def names_before(before: Sequence[Contact], after: Sequence[Contact]) -> dict[str, str]:
+    """Names on the coarser mesh of the contacts in the same place: patches may be counted anew."""
+    twins = zip(after, contact_partners(after, before), strict=True)
+    return {contact.name: twin.name for contact, twin in twins if twin is not None}
 
 
 def station_changes(

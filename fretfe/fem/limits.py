@@ -25,6 +25,7 @@ from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
 from fretfe.evaluate.resultants import SMALLEST_SHEAR, shear_direction
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.warnings import UNLOADED
 from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -90,12 +91,30 @@ class Motion:
         return np.asarray((second * turn[0] + first * turn[1]) / (first + second))
 
 
+def opened(solution: Solution) -> str:
+    """Say from which step on nothing is in contact, if that is so at the end; else empty."""
+    pressures = [
+        max(float(np.max(each.mean_traction[state][:, 0])) for each in solution.contacts)
+        for state in range(len(solution.times))
+    ]
+    carrying = np.flatnonzero(np.array(pressures) > UNLOADED * max(pressures))
+    if not len(carrying) or carrying[-1] == len(pressures) - 1:
+        return ""
+    step = solution.step_of(int(carrying[-1]) + 1)
+    return (
+        f"The contact opens at step {step}: no contact is left, and what nothing else holds flies "
+        "off. End the history before that, or hold the body by a support or a displacement."
+    )
+
+
 def imbalance(solution: Solution) -> ConvergenceError | None:
     """The reason why a solution means nothing, if forces or moments on a body do not balance."""
     for kind in ("force", "moment"):
         ratio = solution.imbalance(kind)
         worst = int(np.argmax(ratio))
         if ratio[worst] > LARGEST_IMBALANCE:
+            if parted := opened(solution):
+                return ConvergenceError(f"{kind}s on a body do not balance. {parted}")
             return ConvergenceError(
                 f"step {solution.step_of(worst)}: expected {kind}s that balance on every body, "
                 f"found a sum of {ratio[worst]:.1e} of the largest of them: round-off has "
@@ -324,7 +343,8 @@ def _pairing(
         factors = turned[:, 0] / (np.pi * np.sqrt(2 * summary.half_width))
         wrong = float(np.ptp(factors[cycle])) if len(cycle) else np.nan
         largest = max(station.k_range for station in summary.stations)
-        known = largest > 0
+        of_pressure = summary.normal_force / (np.pi * np.sqrt(2 * summary.half_width))
+        known = largest > UNLOADED * float(np.nanmax(of_pressure, initial=0.0))
     return ModelLimit(
         summary.name,
         Kind.PAIRING,

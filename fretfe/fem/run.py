@@ -46,6 +46,7 @@ from fretfe.fem.limits import (
     farthest_states,
     imbalance,
     model_limits,
+    opened,
     unpaired_penetration,
 )
 from fretfe.fem.model import LoadMesh, Marched, Model, Prepared, build_model, step_loads
@@ -411,8 +412,14 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
                     break
     except ConvergenceError as error:
         failure = error
-        if not (recorder.contact_carries or isinstance(error, StoppedError)):
-            failure = ConvergenceError(f"{error} {_never_pressed(steps[recorder.steps_done + 1])}")
+        if not isinstance(error, StoppedError):
+            done = recorder.steps_done
+            hint = (
+                opened(recorder.solution(cycles.solved(done), {}))
+                if recorder.contact_carries
+                else _never_pressed(steps[done + 1])
+            )
+            failure = ConvergenceError(f"{error} {hint}") if hint else error
     else:
         _require_contact(recorder, prepared.model.dimension)
     return _Marched(recorder, cycles.solved(recorder.steps_done), failure)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -25,6 +26,7 @@ from fretfe.fem.limits import LARGEST_IMBALANCE, _along_surface, _deformation, d
 from fretfe.history.solution import ContactHistory
 from fretfe.quality.validation import validate
 from fretfe.report.page.html import render
+from fretfe.report.page.tables import station_table
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
@@ -55,6 +57,24 @@ def of_steel(factor: float) -> dict[str, Any]:
 
 def limits(result: Result) -> dict[str, ModelLimit]:
     return {limit.quantity: limit for limit in result.limits}
+
+
+def test_a_pad_that_is_pulled_off_says_in_which_step_it_opens(solved: Any) -> None:
+    """P = 600 at t = 1, 0 in the second of three steps behind it, and a pull of 300 in the last."""
+    pulled = {"ramp": 300.0, "until": 2.0, "steps": 3}
+    loads = {"press": {**press(), "history": [{"ramp": -600.0, "until": 1.0, "steps": 2}, pulled]}}
+    result = solved(pad(geometry=cylinder(size=0.1), loads=loads))
+    assert "The contact opens at step 4: no contact is left" in str(result.failure)
+    assert result.contacts[0].normal_force == pytest.approx([0, 300, 600, 300, 0], abs=1e-6)
+    assert station_table(result) is None
+
+
+def test_the_pairing_error_of_no_shear_is_not_measured(solved: Any) -> None:
+    """Q = 1e-8 beside P = 1e3 is round-off, and so is what rotation does to its K_T."""
+    loads = {"press": press(1000.0, steps=2), "shear": shear(1e-8, cycles=1, steps=4)}
+    result = solved(pad(geometry=cylinder(size=0.1), loads=loads))
+    assert math.isnan(limits(result)[PAIRING].found)
+    assert not any("rotation" in text for text in result.contacts[0].warnings)
 
 
 def test_a_pad_is_within_all_limits(solved: Any) -> None:

@@ -120,9 +120,7 @@ def test_a_rank_that_others_wait_for_does_not_wait_for_them(
     twice = COMM.Dup()  # what is left waiting here is not waited for elsewhere
     Lead(twice, Part())
     if COMM.rank == 1:
-        with pytest.raises(
-            CollectiveError, match="rank 1, which others wait for: ZeroDivisionError"
-        ):
+        with pytest.raises(CollectiveError, match="others wait for: ZeroDivisionError"):
             agreed(twice, Part().crash)
     COMM.barrier()
 

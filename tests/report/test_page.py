@@ -432,7 +432,7 @@ def test_refinement_is_shown(tmp_path: Path) -> None:
         StationValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
         for k_n in (1200.0, 1236.0)
     )
-    changes = edge_changes([first], [second])
+    changes = edge_changes([first], [second], {"main": "main"})
     passes = Pass(1000, 0.01, (first,), True, ()), Pass(2000, 0.01, (second,), True, changes)
     refinement = Refinement(0.01, passes, False, "too <large>")
     write_results(tmp_path, replace(solved("analytic"), refinement=refinement))

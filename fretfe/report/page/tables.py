@@ -47,9 +47,12 @@ ZONES = 2
 def station_table(run: Result) -> Table | None:
     """The stations: a row per edge of plane contacts, some rows per front of solids.
 
-    None where no front is known.
+    None where no front is known, or no contact is left.
     """
     if not any(contact.fronts for contact in run.contacts):
+        return None
+    edges = [edge for contact in run.contacts for edge in contact.stations]
+    if not run.solid and not any(np.isfinite(edge.position[edge.last]) for edge in edges):
         return None
     return _front_table(run) if run.solid else _edge_table(run)
 
