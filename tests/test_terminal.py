@@ -177,7 +177,10 @@ def test_a_folder_that_is_gone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) 
 
 
 @pytest.mark.parametrize("rank", [0, 1])
-def test_an_error_before_mpi_ends_all_processes(monkeypatch: pytest.MonkeyPatch, rank: int) -> None:
+@pytest.mark.parametrize(("option", "code"), [("--nonsense", 2), ("--help", 0)])
+def test_an_end_before_mpi_ends_all_processes(
+    monkeypatch: pytest.MonkeyPatch, rank: int, option: str, code: int
+) -> None:
     """MPICH's launcher is told so; it does not look at exit codes before MPI is in use."""
     ours, launcher = socket.socketpair()
     with ours, launcher:
@@ -185,8 +188,8 @@ def test_an_error_before_mpi_ends_all_processes(monkeypatch: pytest.MonkeyPatch,
         monkeypatch.setattr(app, "ALIKE", 0.0)
         monkeypatch.setenv("PMI_RANK", str(rank))
         monkeypatch.setenv("PMI_FD", str(ours.fileno()))
-        assert fretfe("run", "--nonsense").returncode == 2
-        assert launcher.recv(100) == b"cmd=abort exitcode=2\n"
+        assert fretfe("run", option).returncode == code
+        assert launcher.recv(100) == f"cmd=abort exitcode={code}\n".encode()
 
 
 def test_a_channel_that_is_none_is_left_alone(

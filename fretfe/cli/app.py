@@ -48,6 +48,7 @@ Exit codes:
   9  an error of fretfe (a bug) left something unknown; all else is written
   129, 130, 143  SIGHUP, Ctrl-C, SIGTERM
 """
+HELP_OPTION = "--help"
 # Seconds in which processes come upon the same error.
 ALIKE = 1.0
 app = typer.Typer(
@@ -101,6 +102,9 @@ def main() -> None:
                 ended = SystemExit(OutputError.exit_code)
             if isinstance(ended.code, int) and ended.code:
                 _end_others(ended.code)
+            elif HELP_OPTION in sys.argv:
+                # Others that have the same option print the help too, in about the same time.
+                _end_others(0, ALIKE)
             raise ended
 
 
@@ -146,17 +150,20 @@ def _finish(code: int, message: str, *, alone: bool = False) -> None:
     sys.exit(code)
 
 
-def _end_others(code: int) -> None:
+def _end_others(code: int, wait: float = 0.0) -> None:
     """End all processes of MPICH's launcher if this one ends before MPI is in use.
 
     Those that use it wait for this one for ever: its launcher does not end them because a process
     has ended, but if that says so. Other launchers do.
+
+    Args:
+        code: exit code of all.
+        wait: seconds that others may need to come to the same end.
     """
     channel = os.environ.get("PMI_FD", "")
     if _communicator() is not None or not channel.isdecimal():
         return
-    if rank_from_environment():
-        time.sleep(ALIKE)
+    time.sleep(wait + (ALIKE if rank_from_environment() else 0.0))
     with contextlib.suppress(OSError):
         # A process that this one was started by may have had the channel, and this one has not.
         if stat.S_ISSOCK(os.fstat(int(channel)).st_mode):
