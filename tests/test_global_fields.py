@@ -21,7 +21,7 @@ from fretfe.bodies.definition import cut_notes, define_model, require_possible
 from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad, TemperatureFieldLoad
 from fretfe.errors import CaseError, FretfeError
-from fretfe.fields.field import read_field
+from fretfe.fields.field import Field, read_field
 from fretfe.loads import build_history, csv_file
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.field_files import FieldWriter
@@ -598,3 +598,14 @@ def test_bad_temperatures(tmp_path: Path, text: str, expected: str) -> None:
     with pytest.raises(CaseError, match="expected temperatures, found a run that has displacem"):
         write_results(tmp_path)
         heated(tmp_path, INSIDE[:, :2])
+
+
+def test_a_plane_field_may_lie_at_any_height(tmp_path: Path) -> None:
+    """A plane mesh at z = 5 is moved to z = 0, and so is the field of the run that it is of."""
+    points = np.array([[0.0, 0.0, 5.0], [1.0, 0.0, 5.0]])
+    field = Field(points, np.array([1.0]), lambda _: np.zeros((2, 3)))
+    moved = bodies_cut._in_plane(tmp_path, "displacements", field)
+    assert moved.points.tolist() == [[0, 0, 0], [1, 0, 0]]
+    thick = Field(points * [[1, 1, 1], [1, 1, -1]], field.times, field.values)
+    with pytest.raises(CaseError, match=r"points from z = -5 to 5.*OUTPUT=2D"):
+        bodies_cut._in_plane(tmp_path, "displacements", thick)

@@ -295,8 +295,8 @@ def _values_at(
     field = read_field(path, quantity, asked[0].load.arrays or ())
     work = PLACE * sum(len(each.places) for each in asked) + STEP * len(field.times)
     opened(reading_seconds(bytes_of(path)) + work)
-    if asked[0].places.shape[1] == 2 and np.ptp(field.points[:, 2]) > 0:
-        raise CaseError(f"{path}: expected {quantity} in the plane z = 0, found others")
+    if asked[0].places.shape[1] == 2:
+        field = _in_plane(path, quantity, field)
     chosen, between = zip(*(_interpolation(path, field, each) for each in asked), strict=True)
     # All of them from one pass through the file, most of whose time is that of unpacking.
     read = map(field.values, range(len(field.times)))
@@ -312,6 +312,18 @@ def _values_at(
             )
     told = {ROUNDING: np.array(field.rounding), NUMBERED: np.array(field.numbered)}
     return {TIMES: field.times, **told, **arrays}
+
+
+def _in_plane(path: Path, quantity: Quantity, field: Field) -> Field:
+    """A field of a plane mesh, moved to z = 0 as the mesh of a case is."""
+    low, high = field.points[:, 2].min(), field.points[:, 2].max()
+    if high > low:
+        raise CaseError(
+            f"{path}: expected {quantity} in one plane z, found points from z = {low:g} to "
+            f"{high:g}; CalculiX writes plane elements without a thickness if its card *NODE FILE "
+            "says OUTPUT=2D"
+        )
+    return replace(field, points=field.points * [1.0, 1.0, 0.0])
 
 
 def _interpolation(

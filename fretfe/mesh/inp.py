@@ -129,7 +129,7 @@ class Level:
         own = text
         if "." in text and instance is None:
             instance, _, own = text.rpartition(".")
-        value = int(own)
+        value = int(own) if own.strip().lstrip("+-").isdecimal() else -1
         if not 0 <= value < STRIDE:
             raise ValueError(f"expected a number from 0 to {STRIDE - 1}, found {own}")
         return value if instance is None else value + self.first(instance)

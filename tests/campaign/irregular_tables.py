@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 
 import numpy as np
+from campaign.extent import SEED
 from campaign.irregular_draw import VARYING, IrregularDraw
 from campaign.judge import QUANTITIES, Judged
 
@@ -66,3 +67,15 @@ def coverage(judged: list[Judged]) -> str:
                     f"{100 * held(numbers):.1f}% | {sharpness(numbers):.1f} |"
                 )
     return "\n".join(rows)
+
+
+def require_held(judge: Callable[[int, int], list[Judged]], count: int) -> None:
+    """Judge so many histories of the week: bars of 95 % of each number hold."""
+    judged = [each for one in range(count) for each in judge(one, SEED)]
+    print(f"FRETFE_CAMPAIGN_SEED={SEED}\n{coverage(judged)}")
+    for quantity in QUANTITIES:
+        numbers = given(judged, quantity)
+        missed = [each for each in numbers if each.error > each.bar]
+        # 95 % of all: of so few one case may fail, with both its edges and some half cycles.
+        allowed = max(4, round(0.05 * len(numbers)))
+        assert len(missed) <= allowed, (SEED, held(numbers), [each.text for each in missed])

@@ -145,6 +145,30 @@ def _faults_of_numbers(result: Result, job: Job) -> Iterator[str]:
                     yield from _off(each.front, "d", zone.length, zone.spread, slip, BORDER)
 
 
+def differences(job: Job) -> Iterator[str]:
+    """Numbers of finite elements and of half-planes that differ by more than both their bars."""
+    found = [outcome(job.tables, backend) for backend in ("fem", "halfplane")]
+    event(" beside ".join(type(each).__name__ for each in found))
+    elements, planes = found
+    if isinstance(elements, FretfeError) or isinstance(planes, FretfeError):
+        return
+    if elements.loads.cycle != planes.loads.cycle:
+        yield f"states {elements.loads.cycle} are evaluated, {planes.loads.cycle} by half-planes"
+        return
+    (contact,), (other,) = elements.contacts, planes.contacts
+    for one, two in zip(contact.stations, other.stations, strict=True):
+        (value, bar), (truth, width) = one.last_k_n, two.last_k_n
+        yield from _off(one.front, "K_N", value, bar + width, truth, FINITE * truth)
+        allowed = FINITE * two.k_range + PRESSED * two.k_i_range + 1e-9 * job.peak / math.pi
+        bar = one.k_range_spread + two.k_range_spread
+        yield from _off(one.front, "ΔK_T", one.k_range, bar, two.k_range, allowed)
+        zones = zip(one.slip_zones[-2:], two.slip_zones[-2:], strict=False)
+        for zone, same in zones if len(one.slip_zones) == len(two.slip_zones) else ():
+            if zone.resolved and same.resolved:
+                bar = zone.spread + same.spread
+                yield from _off(one.front, "d", zone.length, bar, same.length, BORDER)
+
+
 def _late(job: Job) -> bool:
     return "friction_from" in job.tables["contacts"]["main"]
 

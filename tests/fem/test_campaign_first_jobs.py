@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """First jobs by finite elements: pads under any loads, and flanks under what drives them.
 
-FRETFE_CAMPAIGN=long draws more; FRETFE_CAMPAIGN_SEED another seed than that of the week.
+FRETFE_CAMPAIGN=long draws more, for an hour (-o faulthandler_timeout=0 lets it); another seed than
+that of the week is FRETFE_CAMPAIGN_SEED.
 """
 
 from __future__ import annotations
@@ -12,7 +13,7 @@ hypothesis = pytest.importorskip("hypothesis")
 
 from campaign.extent import LONG, SEED  # noqa: E402
 from campaign.first_jobs import Job, blades, pads, spheres  # noqa: E402
-from campaign.judge_first_jobs import faults  # noqa: E402
+from campaign.judge_first_jobs import differences, faults  # noqa: E402
 from hypothesis import HealthCheck, Phase, given, note, seed, settings  # noqa: E402
 
 PROFILES = ("cylinder", "wedge", "flat_rounded")
@@ -32,6 +33,15 @@ DRAWN = settings(
 def test_pad(job: Job) -> None:
     note(f"FRETFE_CAMPAIGN_SEED={SEED}")
     assert list(faults(job, "fem", report=LONG)) == []
+
+
+@pytest.mark.timeout(7200 if LONG else 300)
+@seed(SEED)
+@settings(DRAWN, max_examples=60 if LONG else 6)
+@given(pads(8, PROFILES))
+def test_pad_beside_half_planes(job: Job) -> None:
+    note(f"FRETFE_CAMPAIGN_SEED={SEED}")
+    assert list(differences(job)) == []
 
 
 @pytest.mark.timeout(7200 if LONG else 300)

@@ -7,21 +7,10 @@ The seed is that of the week, so that CI judges other cases in time; a failure t
 from __future__ import annotations
 
 import pytest
-from campaign.extent import SEED
 from campaign.irregular import judge_irregular_elements
-from campaign.irregular_tables import coverage, given, held
-from campaign.judge import QUANTITIES
-
-COUNT = 8
+from campaign.irregular_tables import require_held
 
 
 @pytest.mark.slow
 def test_histories_of_the_week() -> None:
-    judged = [each for one in range(COUNT) for each in judge_irregular_elements(one, SEED)]
-    print(f"FRETFE_CAMPAIGN_SEED={SEED}\n{coverage(judged)}")
-    for quantity in QUANTITIES:
-        numbers = given(judged, quantity)
-        missed = [each for each in numbers if each.error > each.bar]
-        # 95 % of all: of so few one case may fail, with both its edges and some half cycles.
-        allowed = max(4, round(0.05 * len(numbers)))
-        assert len(missed) <= allowed, (SEED, held(numbers), [each.text for each in missed])
+    require_held(judge_irregular_elements, 8)

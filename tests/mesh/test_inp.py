@@ -60,6 +60,19 @@ def refused(folder: Path, text: str) -> str:
 
 
 @pytest.mark.parametrize(
+    ("row", "reason"),
+    [
+        ("1, 3, 0", "expected a step of 1 or more, found 0"),
+        ("1, 3, x", "expected a step of 1 or more, found x"),
+        ("1, one", "expected a number from 0 to"),
+    ],
+)
+def test_rows_of_generated_sets_are_refused_in_words(tmp_path: Path, row: str, reason: str) -> None:
+    message = refused(tmp_path, DECK.replace("1, 3, 1", row))
+    assert reason in message and "invalid literal" not in message
+
+
+@pytest.mark.parametrize(
     ("old", "new"),
     [
         ("GENERATE", "GEN"),

@@ -427,7 +427,9 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
 def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
     """The answer in a few sentences: cycle, slip zones, or contacts of solids, solution."""
     irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
-    first = front_texts(run) if run.solid else (_zone_text(answers, irregular),)
+    edges = [each for contact in run.contacts for each in contact.stations]
+    none = _no_zones(edges)
+    first = front_texts(run) if run.solid else (_zone_text(answers, irregular, none),)
     texts = (cycle_sentences(run), *first, _step_text(run), _steady_text(run))
     return tuple(text for text in texts if text)
 
@@ -442,7 +444,7 @@ def front_texts(run: Result) -> tuple[str, ...]:
     words = _count_verdicts(stations)
     text = f"{len(named)} contact front{'' if len(named) == 1 else 's'} with {len(stations)} "
     if not words:
-        return (*worst, f"{text}stations, no slip zones.")
+        return (*worst, f"{text}stations, {_no_zones(stations)}.")
     zones = [zone for station in stations if (zone := station.longest_zone)]
     local = sum(math.isfinite(zone.local) for zone in zones)
     by = f", by the plane problem next to the station at {local} of them," if local else ""
@@ -557,10 +559,16 @@ def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> 
     )
 
 
-def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool) -> str:
+def _no_zones(stations: Sequence[Station]) -> str:
+    """What there is in place of slip zones: none, or nothing that is known of them."""
+    unknown = not stations or any(each.unknown for each in stations)
+    return "slip zones unknown" if unknown else "no slip zones"
+
+
+def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool, none: str) -> str:
     words = Counter(zone.verdict for answer in answers for zone in answer.zones)
     if not words:
-        return f"{len(answers)} contact edges, no slip zones."
+        return f"{len(answers)} contact edges, {none}."
     which = f"last {words.total()} half cycles"
     if irregular:
         which = f"{words.total()} half cycles of the worst counted cycles"
