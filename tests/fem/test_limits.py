@@ -74,7 +74,6 @@ def test_the_pairing_error_of_no_shear_is_not_measured(solved: Any) -> None:
     loads = {"press": press(1000.0, steps=2), "shear": shear(1e-8, cycles=1, steps=4)}
     result = solved(pad(geometry=cylinder(size=0.1), loads=loads))
     assert math.isnan(limits(result)[PAIRING].found)
-    assert not any("rotation" in text for text in result.contacts[0].warnings)
 
 
 def test_a_pad_is_within_all_limits(solved: Any) -> None:
