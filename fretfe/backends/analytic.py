@@ -35,7 +35,7 @@ from fretfe.evaluate.factors import add_up, cycle_range, excess, half_plane_unit
 from fretfe.evaluate.limits import unlike_notes, with_limit_warnings
 from fretfe.evaluate.plane.evaluate import shear_mismatch, tension_history
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
-from fretfe.evaluate.slip import SlipBorder, cycle_states, last_state, predicted_slip, slip_zones
+from fretfe.evaluate.slip import SlipBorder, cycle_states, in_cycle, predicted_slip, slip_zones
 from fretfe.evaluate.step_ends import StepEnds, division_notes
 from fretfe.history.solution import Factor
 from fretfe.idealise import (
@@ -323,7 +323,7 @@ def _station(
     exact = np.zeros_like(k_n)
     history = front.history(position, exact, k_n, exact, factors)
     cycle = cycle_states(problem.history.cycle)
-    history = replace(history, last=last_state(cycle, history))
+    history = in_cycle(cycle, history)
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
     path = load_path(loads.values, loads.between, loads.cycle)

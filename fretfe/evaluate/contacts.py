@@ -10,8 +10,8 @@ thickness.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass, field, replace
 from typing import Annotated, Any, get_origin, get_type_hints
 
 import numpy as np
@@ -27,6 +27,8 @@ LARGEST_SPREAD = 0.05
 LARGEST_ZONE_SPREAD = 0.1
 # Error bar, relative to its number, beyond which tables show no number.
 NO_NUMBER = 0.5
+# The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
+LARGEST_TURNING = 0.1
 # Counted cycles whose ranges differ by less than this fraction are the same cycle.
 SAME_RANGE = 1e-3
 
@@ -102,7 +104,7 @@ class SlipZone:
         resolved: whether the mesh resolves the zone: its border and the front.
         gross: whether the whole contact slipped.
         predicted: slip length from K_T and K_N: 2 K_T/(f K_N) for first loading, ΔK_T/(f K_N) in
-            the evaluated cycle; NaN elsewhere.
+            the evaluated cycle; NaN elsewhere, and where (K_T, K_S) turns.
         predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle.
         across: the mean shear across the direction of (K_T, K_S) over that of f p, behind the
             predicted zone and when the half cycle begins; NaN in the plane without motion along z.
@@ -181,7 +183,7 @@ class CountedCycles:
         effective_range: (n,) larger K_T - f K_I less smaller K_T + f K_I, with K_I counted from the
             outermost place of the edge: what is counted, and the same as `k_t_range` at constant P.
         slip: (n,) predicted length of the slip zone from the edge as it is at `end`; NaN where K_N
-            is unknown there.
+            is unknown there, or (K_T, K_S) turns.
         closed: whether the history that was counted repeats itself: all counts are 1.
         reason: why nothing was counted; empty if it was.
     """
@@ -252,6 +254,9 @@ class StationHistory:
     k_s: Annotated[Array, Quantity("k_t", "K_S, the same along the edge; zero in the plane")]
     k_i: Annotated[Array, Quantity("k_t", "K_I, the same of normal increments")]
     last: Annotated[int, Quantity("", "last state of the evaluated cycle, or of all")] = field(
+        default=-1, kw_only=True
+    )
+    first: Annotated[int, Quantity("", "first state of that cycle, -1 without")] = field(
         default=-1, kw_only=True
     )
 
@@ -342,7 +347,8 @@ class Station(StationHistory):
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description. Of solids by
             `length`, the depth of the contact and the bend of the front.
-        lack: why K_N in the state `last`, or the range, is not known.
+        lack: why K_N in the state `last`, or the range, or nothing at all is known: it is no edge
+            as the bodies go on behind it, or fretfe failed.
         k_angle: in degrees, between -90 and 90.
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
             if the factors are known in closed form at any time, NaN if nothing can be compared.
@@ -351,8 +357,6 @@ class Station(StationHistory):
         slip_zones: one for each half cycle, in time order; if the counted cycles are irregular,
             only those of the worst one.
         dissipation: on this side of the contact, per unit thickness; NaN of solids.
-        unknown: reason why nothing is known here, in words: it is no edge, as the bodies go on
-            behind it, or fretfe failed; empty where numbers may be known.
     """
 
     frame: Frame
@@ -415,7 +419,6 @@ class Station(StationHistory):
         math.nan
     )
     local: LocalProblem = field(default_factory=lambda: no_local_problem("it was not solved"))
-    unknown: str = ""
 
     @property
     def k_along(self) -> Array:
@@ -435,15 +438,29 @@ class Station(StationHistory):
 
     @property
     def longest_zone(self) -> SlipZone | None:
-        """The longer of the slip zones of the last two half cycles; None without any.
+        """The longest slip zone of `evaluated_zones`, the last of equal ones; None without any.
 
-        Every length that stands alone for a station is that of this one. Where no length is told it
-        is ranked by what is known of it. First loading does not count beside a half cycle of the
-        evaluated cycle.
+        Every verdict that stands alone for a station is on this one. Where no length is told it is
+        ranked by what is known of it.
         """
-        last = self.slip_zones[:-3:-1]
-        cyclic = [zone for zone in last if math.isfinite(zone.predicted_loop)]
-        return max(cyclic or last, key=lambda each: each.rank, default=None)
+        return max(self.evaluated_zones[::-1], key=lambda each: each.rank, default=None)
+
+    @property
+    def evaluated_zones(self) -> tuple[SlipZone, ...]:
+        """Slip zones that end in the evaluated cycle, in time order; the last two without any."""
+        inside = [zone for zone in self.slip_zones if zone.end > self.first >= 0]
+        return tuple(inside) or self.slip_zones[-2:]
+
+    def longest_by(self, length: Callable[[SlipZone], float]) -> SlipZone | None:
+        """The zone of `evaluated_zones` of which some length is largest; None without any.
+
+        That is `longest_zone` where the length of that is not known, and may be the largest.
+        """
+        longest = self.longest_zone
+        if longest is None or math.isnan(length(longest)):
+            return longest
+        known = [zone for zone in self.evaluated_zones if not math.isnan(length(zone))]
+        return max(known[::-1], key=length)
 
     @property
     def range_over_k_n(self) -> float:
@@ -472,14 +489,28 @@ class Station(StationHistory):
         return zone.prediction if math.isfinite(k_n) and ranged else math.nan
 
 
-def unknown_station(front: str, number: int, states: int, reason: str) -> Station:
+def without_formulas(station: Station) -> Station:
+    """The station without predicted lengths if (K_T, K_S) turns: there is no formula then."""
+    if not station.turning > LARGEST_TURNING:
+        return station
+    return replace(
+        station,
+        cycles=replace(station.cycles, slip=np.full_like(station.cycles.slip, math.nan)),
+        slip_zones=tuple(
+            replace(zone, predicted=math.nan, predicted_loop=math.nan)
+            for zone in station.slip_zones
+        ),
+    )
+
+
+def unknown_station(front: str, number: int, states: int, lack: Withheld) -> Station:
     """A station of which nothing is known.
 
     Args:
         front: name of its front.
         number: of it along the front.
         states: T.
-        reason: why, in words.
+        lack: why.
     """
     lost, nowhere = np.full(states, math.nan), np.full(3, math.nan)
     unknown: dict[str, Any] = dict.fromkeys(histories(StationHistory), lost)
@@ -490,16 +521,16 @@ def unknown_station(front: str, number: int, states: int, reason: str) -> Statio
         frame=Frame(nowhere, nowhere, nowhere),
         k_n_moved=math.nan,
         k_n_moved_spread=math.nan,
-        k_n_moved_reason=reason,
+        k_n_moved_reason=lack.text,
         k_t_range=math.nan,
         k_s_range=math.nan,
         k_range=math.nan,
         k_range_spread=math.nan,
         k_range_parts=RangeSpread(math.nan, math.nan, math.nan),
         k_i_range=math.nan,
-        cycles=no_cycles(reason),
+        cycles=no_cycles(lack.text),
         slip_zones=(),
-        unknown=reason,
+        lack=lack,
     )
 
 
@@ -631,7 +662,8 @@ class Contact:
             cycle, and of solids.
         steady: False without a cycle.
         dissipation_change: NaN if there is no cycle before.
-        lack: why there are no fronts though solids carry a force.
+        lack: why solids that carry a force have no fronts at the end of the cycle; those there are
+            belong to the state of the largest contact.
         warnings: what a reader must know.
         patches: of the contact area of solids; none where it is a single one, and in the plane.
     """

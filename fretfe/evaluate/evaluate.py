@@ -20,6 +20,7 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
+from fretfe.evaluate.withheld import Lack, Withheld, failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Solution
 
@@ -98,7 +99,7 @@ def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
     return Contact(
         name=contact.name,
         pair=contact.pair,
-        fronts=fronts_of(unknown_station(each.name, 0, len(lost), fault.reason) for each in sides),
+        fronts=fronts_of(unknown_station(each.name, 0, len(lost), failed(fault)) for each in sides),
         **known,
         cycle_change=np.nan,
         steady=False,
@@ -147,9 +148,9 @@ def _of_half(
     solution: Solution, contact: ContactHistory, image: PlaneFront, found: dict[str, Any]
 ) -> dict[str, Any]:
     """Results of a whole contact for the half that the model has: without its image."""
-    states = len(solution.times)
+    states, lack = len(solution.times), Withheld(Lack.NO_EDGE, words=GOES_ON)
     fronts = [
-        Front(front.name, (unknown_station(front.name, 0, states, GOES_ON),))
+        Front(front.name, (unknown_station(front.name, 0, states, lack),))
         if front.name == image.name
         else front
         for front in found["fronts"]

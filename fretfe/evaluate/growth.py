@@ -122,7 +122,7 @@ FindGrowth = Callable[[int, int], Growth | None]
 def zone_growth(
     station: StationHistory, friction: Array, start: int, end: int, outer: Bools
 ) -> Growth | None:
-    """Growth of the slip zone of a half cycle at a station; None if its history is not known.
+    """Growth of the slip zone of a half cycle at a station; None if its factors are not known.
 
     Args:
         station: its factors, K_T along the direction of the slip.
@@ -134,6 +134,7 @@ def zone_growth(
     f = float(friction.max())
     begin = max(int(np.argmax(friction > 0)) - 1, 0)
     known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
+    known[end] &= np.isfinite(station.k_n[end])
     if not f > 0 or not known[begin : end + 1].all():
         return None
     states = np.arange(begin, end + 1)

@@ -117,7 +117,7 @@ def _stations(
     for history, contact in zip(solution.contacts, contacts, strict=True):
         if np.any(history.traction[contact.stations[0].last, :, 0] > 0):
             for station in contact.stations:
-                if not station.unknown:  # no mesh tells anything of those
+                if not station.lack.whole:  # no mesh tells anything of those
                     yield history, contact, station
 
 

@@ -132,7 +132,7 @@ def slip_zones(
         cyclic, loop = _prediction(cycle, friction[end], end, station)
         if worst and not len(cycle):
             cyclic = worst.predicted
-        elif start == first and not pressed:
+        elif start == first and not pressed and math.isfinite(station.k_n[end]):
             rise = abs(station.k_t[end] - station.k_t[first])
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         spread = math.hypot(border.spread, float(station.position_spread[end]))
@@ -262,6 +262,12 @@ def _driven_on(forward: Array, backward: Array, cycle: States) -> bool:
     """True if slip one way goes on in a cycle beyond its first state."""
     within = forward[cycle].max() - forward[cycle[0]], backward[cycle[0]] - backward[cycle].min()
     return bool(max(within) > UNDRIVEN * max(np.ptp(forward), np.ptp(backward)))
+
+
+def in_cycle(cycle: States, station: StationHistory) -> StationHistory:
+    """The history of a station, with the first and last state that count in it."""
+    first = int(cycle[0]) if len(cycle) else -1
+    return replace(station, last=last_state(cycle, station), first=first)
 
 
 def last_state(cycle: States, station: StationHistory) -> int:

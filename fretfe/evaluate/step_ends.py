@@ -148,16 +148,18 @@ class StepEnds:
         return replace(
             station,
             last=int(self._step[station.last]),
+            first=int(self._step[station.first]) if station.first >= 0 else -1,
             cycles=replace(cycles, start=self._step[cycles.start], end=self._step[cycles.end]),
-            slip_zones=self._zones(station.slip_zones),
+            slip_zones=self._zones(station),
             **self._histories(station, STATION),
         )
 
-    def _zones(self, zones: tuple[SlipZone, ...]) -> tuple[SlipZone, ...]:
-        """Slip zones from one end of a step to a later one."""
+    def _zones(self, station: Station) -> tuple[SlipZone, ...]:
+        """Slip zones from one end of a step to a later one, in the evaluated cycle if they were."""
         found = []
-        for zone in zones:
-            end = max(int(self._step[zone.end]), 1)
+        for zone in station.slip_zones:
+            before = int(self._step[station.first]) if 0 <= station.first < zone.end else 0
+            end = max(int(self._step[zone.end]), before + 1)
             start = min(int(self._step[zone.start]), end - 1)
             found.append(replace(zone, start=start, end=end))
         return tuple(found)

@@ -8,7 +8,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
-from fretfe.evaluate.contacts import LARGEST_SPREAD, SlipZone, Station
+from fretfe.evaluate.contacts import LARGEST_SPREAD, LARGEST_TURNING, SlipZone, Station
 from fretfe.faults import guarded
 from fretfe.verdict import Verdict
 
@@ -27,9 +27,6 @@ COUPLED = 0.7
 LOOSEST_RANGE = 0.5
 # Error bars and elements that leave more of the length open than this check nothing.
 LOOSE = 0.3
-# The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
-LARGEST_TURNING = 0.1
-
 # Part of f p that may act across that line before: more of it leaves an eighth less for the shear
 # along it, and slip zones that are longer by as much.
 LARGEST_ACROSS = 0.5
@@ -59,7 +56,7 @@ class Judgement:
 
 
 def longest_verdict(station: Station) -> Judgement:
-    """The verdict on the longer of the last two slip zones of a station, or why it has none."""
+    """The verdict on the longest slip zone of the cycle at a station, or why it has none."""
     if (zone := station.longest_zone) is not None:
         return judge(station, zone)
     reason = withheld(station)
@@ -70,8 +67,8 @@ def longest_verdict(station: Station) -> Judgement:
 
 def withheld(station: Station) -> str:
     """Reason why K_N or the range of (K_T, K_S) of a station is not told; empty if both are."""
-    if station.unknown:
-        return station.unknown
+    if station.lack.whole:
+        return station.lack.text
     return "; ".join(filter(None, (_no_k_n(station), _no_range(station))))
 
 

@@ -140,10 +140,14 @@ def _solid_contact(
             f"{finer:.1f} times smaller there",
         )
     if found["lack"].kind is not Lack.NOTHING:
+        earlier = {each.last for front in found["fronts"] for each in front.stations}
+        known = "K_N, K_T, K_S and slip zones are unknown"
+        if earlier:
+            known = f"K_N is that of state {max(earlier)}, in which the contact is largest"
         yield (
             Kind.NO_FRONTS,
-            "no front of the contact is known at the end of the cycle: K_N, K_T, K_S and slip "
-            f"zones are unknown, because {found['lack'].text}",
+            f"no front of the contact is known at the end of the cycle: {known}, because "
+            f"{found['lack'].text}",
         )
     assert contact.surface.facets is not None and contact.surface.free is not None
     at_border = closed & rim_nodes(contact.surface.facets, len(closed)) & ~contact.surface.free
@@ -233,16 +237,16 @@ def _nothing_known(contact: str, fronts: Sequence[Front]) -> Iterator[Caution]:
     """Stations of fronts of which nothing is known, and why; in the plane a front has one."""
     for front in fronts:
         count = len(front.stations)
-        for reason, number in Counter(each.unknown for each in front.stations).items():
-            if reason:
-                stations = f"{number} of {count} stations " if count > 1 else ""
-                found = Kind.NOTHING_KNOWN, f"{stations}unknown, because {reason}"
-                yield from about(contact, front.name, [found])
+        lacks = Counter(each.lack for each in front.stations if each.lack.whole)
+        for lack, number in lacks.items():
+            stations = f"{number} of {count} stations " if count > 1 else ""
+            finding = Kind.NOTHING_KNOWN, f"{stations}unknown, because {lack.text}"
+            yield from about(contact, front.name, [finding])
 
 
 def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> Iterator[Finding]:
     """Factors of a plane edge that cannot be told, and why."""
-    if station.unknown or station.lack.kind is Lack.NOTHING:
+    if station.lack.whole or station.lack.kind is Lack.NOTHING:
         return
     unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
     missing = ["K_N"] if unknown else []

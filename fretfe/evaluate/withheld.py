@@ -7,6 +7,8 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+from fretfe.faults import Fault
+
 
 class Lack(StrEnum):
     """Kind of reason why the factors of an edge, or the fronts of a contact, are not known."""
@@ -22,6 +24,8 @@ class Lack(StrEnum):
     NO_BORDER = "no border"
     SHORT_BORDER = "short border"
     NO_CURVE = "no curve"
+    NO_EDGE = "no edge"
+    FAULT = "fault"
 
 
 @dataclass(frozen=True)
@@ -32,11 +36,18 @@ class Withheld:
         kind: of reason; `Lack.NOTHING` where everything is told.
         found: nodes, states or elements that there are, by the kind.
         wanted: number of them that would do, or of all states.
+        words: the reason, of kinds that are whole: each has its own.
     """
 
     kind: Lack = Lack.NOTHING
     found: int = 0
     wanted: int = 0
+    words: str = ""
+
+    @property
+    def whole(self) -> bool:
+        """True if nothing at all is known: it is no edge, or fretfe failed."""
+        return self.kind in (Lack.NO_EDGE, Lack.FAULT)
 
     @property
     def text(self) -> str:
@@ -45,6 +56,8 @@ class Withheld:
         match self.kind:
             case Lack.NOTHING:
                 return ""
+            case Lack.NO_EDGE | Lack.FAULT:
+                return self.words
             case Lack.ABSENT:
                 return f"the patch exists in {found} of the {wanted} states of the cycle"
             case Lack.PARTED:
@@ -82,6 +95,16 @@ class Withheld:
 
 
 TOLD = Withheld()
+# Fits of two orders reach six elements inward, and no farther than to .9 of a radius of curvature
+# or 1.5 times the half-width.
+WANTED_ELEMENTS = (
+    "they need fourteen elements over the width of a round contact, eight over that of a long one"
+)
+
+
+def failed(fault: Fault) -> Withheld:
+    """The reason where fretfe itself failed."""
+    return Withheld(Lack.FAULT, words=fault.reason)
 
 
 def _of_fronts(lack: Withheld) -> str:
@@ -92,11 +115,11 @@ def _of_fronts(lack: Withheld) -> str:
         case Lack.SHORT_BORDER:
             return (
                 f"its boundary crosses {lack.found} elements, {lack.wanted} are wanted at least: "
-                "they need ten elements over the width of the contact"
+                f"{WANTED_ELEMENTS}"
             )
     return (
-        "the pressure next to its boundary tells the place of the front at too few stations: they "
-        "need ten elements over the width of the contact"
+        "the pressure next to its boundary tells the place of the front at too few stations: "
+        f"{WANTED_ELEMENTS}"
     )
 
 

@@ -415,7 +415,7 @@ class _Plan:
 def _plan(
     solution: Solution, contact: ContactHistory, tracks: Sequence[FrontTrack]
 ) -> _Plan | None:
-    """States of the cycle with the smallest and largest area whose fronts are known, if any."""
+    """States of the cycle with the smallest and largest area whose K_N is known, if any."""
     if not tracks:
         return None
     cycle = cycle_states(solution.cycle)
@@ -424,7 +424,9 @@ def _plan(
     areas, first = np.unique(contact.full_stick.area[states], return_index=True)
     states = states[first]
     places = np.concatenate([track.fit.place[states] for track in tracks], axis=1)
-    known = np.isfinite(places).any(axis=1) & (areas >= 0)
+    # A contact whose pressure has no fits is too small for integrals too.
+    k_n = np.concatenate([track.fit.k_n[states] for track in tracks], axis=1)
+    known = np.isfinite(k_n).any(axis=1) & (areas >= 0)
     if not known.any():
         return None
     states, areas, places = states[known], areas[known], places[known]

@@ -293,7 +293,7 @@ def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row
     for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_range)):
         if (
             math.isnan(value)
-            and not station.unknown
+            and not station.lack.whole
             and contact.normal_force[station.last] > 0
             and not math.isnan(contact.cycle_change)
         ):

@@ -12,6 +12,7 @@ import importlib
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import chain
 from operator import attrgetter
 from pathlib import Path
@@ -167,22 +168,31 @@ def _of_zone(
     return Column(name, "length", meaning, value)
 
 
-def _longest(name: str, meaning: str, attribute: str) -> Column:
-    """A length of the longer of the last two slip zones; NaN without any."""
-    return _of_longest(name, meaning, lambda _, zone: float(getattr(zone, attribute)))
+def _of_longest(
+    name: str,
+    meaning: str,
+    length: Callable[[Station, SlipZone], float],
+    read: Callable[[Station, SlipZone], float],
+) -> Column:
+    """A number of the slip zone of the cycle of which a length is largest; NaN without any."""
 
-
-def _longest_prediction(name: str, meaning: str) -> Column:
-    """Length that the factors predict for that zone; NaN where they are not told."""
-    return _of_longest(name, meaning, Station.told_prediction)
-
-
-def _of_longest(name: str, meaning: str, read: Callable[[Station, SlipZone], float]) -> Column:
     def value(_: Contact, station: Station) -> float:
-        zone = station.longest_zone
+        zone = station.longest_by(partial(length, station))
         return read(station, zone) if zone else math.nan
 
     return Column(name, "length", meaning, value)
+
+
+def _longest(name: str, meaning: str, length: str, spread: str) -> list[Column]:
+    """The largest of a length of the slip zones of the cycle, with its error bar."""
+
+    def of(attribute: str) -> Callable[[Station, SlipZone], float]:
+        return lambda _, zone: float(getattr(zone, attribute))
+
+    return [
+        _of_longest(name, meaning, of(length), of(length)),
+        _of_longest(f"{name}_spread", "its error bar", of(length), of(spread)),
+    ]
 
 
 def _half_cycle(number: int, meaning: str) -> list[Column]:
@@ -278,11 +288,19 @@ STATIONS = (
     _number("k_i", "K_I in the last state"),
     *map(_number, ("k_t_range", "k_s_range", "k_i_range", "reference_length")),
     *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
-    _longest("slip", "the longer of the slip zones of the last two half cycles", "reported_length"),
-    _longest("slip_spread", "its error bar", "spread"),
-    _longest_prediction("predicted", "what the factors predict for it; empty without them"),
-    _longest("local", "the same zone by the plane problem next to the station", "reported_local"),
-    _longest("local_spread", "its error bar", "local_spread"),
+    *_longest("slip", "the longest slip zone of the cycle", "reported_length", "spread"),
+    _of_longest(
+        "predicted",
+        "the longest that the factors predict in it; empty without them or without a formula",
+        Station.told_prediction,
+        Station.told_prediction,
+    ),
+    *_longest(
+        "local",
+        "the longest by the plane problem next to the station",
+        "reported_local",
+        "local_spread",
+    ),
     *_half_cycle(1, "slip zone of the last but one half cycle"),
     *_half_cycle(2, "slip zone of the last half cycle"),
     Column(

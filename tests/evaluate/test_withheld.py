@@ -85,14 +85,16 @@ def test_a_pad_that_lifts_off_needs_no_finer_elements(emptied: slice, kind: Lack
 
 def test_a_reason_is_restored() -> None:
     given = Withheld(Lack.FEW_NODES, 5, 16)
-    table = {"kind": "few nodes", "found": 5, "wanted": 16}
+    table = {"kind": "few nodes", "found": 5, "wanted": 16, "words": ""}
     assert restored(Withheld, table) == given
     assert "make the elements 3.5 times smaller" in given.text
 
 
 @pytest.mark.parametrize("lack", [each for each in Lack if each is not Lack.NOTHING])
 def test_every_kind_has_a_sentence(lack: Lack) -> None:
-    assert len(Withheld(lack, 1, 8).text) > 20
+    given = Withheld(lack, 1, 8, words="the bodies go on behind it")
+    assert len(given.text) > 20
+    assert given.whole == (given.text == given.words)
 
 
 def test_sweeps_and_runs_mark_alike() -> None:

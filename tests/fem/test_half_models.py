@@ -82,7 +82,7 @@ def test_half_a_contact_has_one_edge_and_the_whole_width(tmp_path: Path, side: i
     assert edge.point[:2] == pytest.approx([side * HALF_WIDTH, 0.0], abs=0.01 * HALF_WIDTH)
     assert edge.last_k_n[0] == pytest.approx(K_N, rel=0.04)
     assert edge.k_n_moved == pytest.approx(K_N, rel=0.06)
-    assert np.isnan(image.k_n).all() and image.unknown
+    assert np.isnan(image.k_n).all() and image.lack.whole
     told = " ".join(each.sentence for each in contact.warnings)
     assert f"{image.front} edge: unknown, because both bodies go on behind this end" in told
     assert "extend" not in told and "nodes are in contact" not in told

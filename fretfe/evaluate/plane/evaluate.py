@@ -28,6 +28,7 @@ from fretfe.evaluate.contacts import (
     Station,
     StationHistory,
     unknown_station,
+    without_formulas,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
@@ -59,8 +60,9 @@ from fretfe.evaluate.plane.pressure_fit import EdgeFit
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.resultants import plane_resultants
-from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
+from fretfe.evaluate.slip import cycle_states, in_cycle, slip_zones
 from fretfe.evaluate.verdicts import FLANK
+from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.history.state_array import blocks
@@ -352,7 +354,7 @@ class _Edges:
         ]
 
     def _unknown(self, front: PlaneFront, fault: Fault) -> Station:
-        return unknown_station(front.name, 0, len(self.solution.times), fault.reason)
+        return unknown_station(front.name, 0, len(self.solution.times), failed(fault))
 
     def _station(
         self, front: PlaneFront, direction: Array, turning: float, spread: RangeSpread
@@ -376,7 +378,7 @@ class _Edges:
         k_n_spread = with_moved(fit.k_n, bars, movement.k_n)
         factors = self.histories.ways[:, front.number].mean(axis=0)
         history = front.history(fit.position, fit.spread_position, fit.k_n, k_n_spread, factors)
-        history = replace(history, last=last_state(cycle, history))
+        history = in_cycle(cycle, history)
         along = replace(history, k_t=np.column_stack([history.k_t, history.k_s]) @ direction)
         evaluated = in_evaluated_interval(contact, self.solution.cycle, along)
         cycles = count_cycles(cycle, contact.friction, evaluated)
@@ -384,7 +386,7 @@ class _Edges:
         angle = float(np.degrees(np.arctan2(direction[1], direction[0])))
         here = nearest_front(contact.surface.arc, last_known(self.centre, cycle)) == front.number
         fitted = self.histories.fitted
-        return Station(
+        found = Station(
             **vars(history),
             frame=frame,
             point=point,
@@ -413,6 +415,7 @@ class _Edges:
             slip_zones=self._zones(front, evaluated, angle, cycles),
             dissipation=float(work[here].sum()),
         )
+        return without_formulas(found)
 
     def _zones(
         self,

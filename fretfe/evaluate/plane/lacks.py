@@ -28,6 +28,8 @@ def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> 
         contact: whose station it is.
         station: with its numbers.
     """
+    if station.lack.whole:
+        return station
     states = evaluated_states(solution)
     located = bool(np.isfinite(station.position[states]).all())
     ranged = math.isfinite(station.k_t_range) and (located or math.isfinite(station.k_range_spread))

@@ -22,6 +22,7 @@ from fretfe.evaluate.contacts import (
     Station,
     StationHistory,
     unknown_station,
+    without_formulas,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import (
@@ -45,7 +46,7 @@ from fretfe.evaluate.factors import (
 from fretfe.evaluate.growth import Growth, zone_growth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.resultants import solid_resultants
-from fretfe.evaluate.slip import cycle_states, last_state, slip_zones
+from fretfe.evaluate.slip import cycle_states, in_cycle, slip_zones
 from fretfe.evaluate.space.front_scatter import with_scatter
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront, why_no_fronts
 from fretfe.evaluate.space.half_spaces import half_space_ratios
@@ -55,7 +56,7 @@ from fretfe.evaluate.space.range_spread import range_spread
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.verdicts import FLANK
-from fretfe.evaluate.withheld import TOLD
+from fretfe.evaluate.withheld import TOLD, failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 
@@ -162,7 +163,7 @@ def evaluate_solids(
             replace(front, patch=int(owner[track.front.node]) + 1)
             for front, track in zip(fronts, tracks or (), strict=True)
         )
-    missing = tracks is not None and not fronts
+    missing = tracks is not None and not any(track.state == last for track in tracks)
     return {
         **found,
         "fronts": fronts,
@@ -377,7 +378,7 @@ class _Front:
 
     def _unknown(self, number: int, fault: Fault) -> Station:
         frames = self.track.front.frames
-        found = unknown_station(self.name, number, len(self.solution.times), fault.reason)
+        found = unknown_station(self.name, number, len(self.solution.times), failed(fault))
         return replace(found, point=frames.points[number], arc=float(frames.arc[number]))
 
     def station(self, number: int) -> Station:
@@ -386,7 +387,7 @@ class _Front:
         frames, sector = front.frames, front.sectors[number]
         cycle = cycle_states(self.solution.cycle)
         history = self._history(number)
-        history = replace(history, last=last_state(cycle, history))
+        history = replace(in_cycle(cycle, history), last=self.track.state)
         vectors = np.column_stack([history.k_t, history.k_s])
         direction, turning = main_direction(vectors, cycle)
         along = replace(history, k_t=vectors @ direction)
@@ -396,7 +397,7 @@ class _Front:
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         # Shear along the front knows nothing of beta.
         coupled = abs(self.contact.surface.dundurs * float(direction[0]))
-        return Station(
+        found = Station(
             **vars(history),
             point=frames.points[number],
             frame=Frame(frames.inward[number], frames.along[number], frames.across[number]),
@@ -430,6 +431,7 @@ class _Front:
                 for zone in self._zones(number, along, cycles)
             ),
         )
+        return without_formulas(found)
 
     def _history(self, number: int) -> StationHistory:
         fit, mean = self.track.fit, self.factors.ways[:, number].mean(axis=0)

@@ -60,6 +60,8 @@ ROOM = 1.0
 # Planes of symmetry at both ends of a front; none of them.
 Mirrors = tuple[Mirror | None, Mirror | None]
 NO_MIRRORS: Mirrors = None, None
+# Stations (n) along the nodes in contact, the place (2, n) of the front there and its error bar.
+Border = tuple[Frames, Array]
 # Points of a curve between which it is straight, for each of its stations.
 FINER = 8
 # Known stations that a curve through them takes.
@@ -72,6 +74,9 @@ AREAS = 6
 # How far outside its nodes the front of an area lies, in elements across it: where it is in bonded
 # circles by their factors under a force along, a force across and a moment, by .25, .22 and .2.
 OUTSIDE = 0.21
+# Where the pressure has no fit, a curve along the outline tells the place to so many elements: that
+# far outside of it, fronts of spheres with radii of 6 to 10 elements are within .34.
+BY_OUTLINE = 0.35
 # Nodes within this distance of a front, in elements across it, are in an area or not by it, unless
 # the nearest station is not known; others are as they were. Beyond its last station a front goes on
 # straight, as far as that many times the spacing of stations.
@@ -142,6 +147,20 @@ class FrontFinder:
             if len(line.inside) >= FEWEST_CROSSED[line.closed]
         )
         return tuple(front for front in found if front is not None)
+
+    def borders(self, contact: Bools) -> tuple[Border, ...]:
+        """Fronts in one state by the nodes in contact (N,) alone, longest first."""
+        found = []
+        for line in outlines(self._facets, contact):
+            if len(line.inside) >= FEWEST_CROSSED[line.closed]:
+                middles, pieces = line.middles(self._points), FEWEST_PIECES[line.closed]
+                curve = _curve(middles, line.closed, pieces, self._ends(line, middles)[1])
+                if curve is not None:
+                    frames = curve.at(self._count, self._normals)
+                    stations = range(len(frames.arc))
+                    sizes = np.array([self._sectors.sizes(frames, each)[0] for each in stations])
+                    found.append((frames, np.array([-OUTSIDE, BY_OUTLINE])[:, None] * sizes))
+        return tuple(found)
 
     def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
         closed, pieces = line.closed, FEWEST_PIECES[line.closed]
@@ -255,10 +274,12 @@ class FrontTrack:
     Attributes:
         front: in the reference state.
         fit: (T, n) places are distances inward from there along each station's `inward`.
+        state: number of the reference state.
     """
 
     front: SpaceFront
     fit: FrontFit
+    state: int
 
 
 def follow_fronts(
@@ -268,6 +289,8 @@ def follow_fronts(
 
     Longest first. They are searched for again where they have moved in the cycle, or anywhere
     without one; in states outside of it they are known as far as they stay where they are in it.
+    Where the contact of the last state is too small for its pressures to tell them, they are those
+    of the state with the largest contact.
 
     Args:
         solution: the solved history.
@@ -275,7 +298,7 @@ def follow_fronts(
         count: number of stations of each front.
     """
     finder, found, source = FrontFinder(contact, count), {}, solution.source
-    first, reference = solution.cycle or (0, len(source) - 1)
+    first, last = solution.cycle or (0, len(source) - 1)
 
     def fronts(state: int) -> tuple[SpaceFront, ...]:
         if state not in found:
@@ -283,16 +306,24 @@ def follow_fronts(
             found[state] = finder.fronts(pressed, contact.mean_traction[state][:, 0])
         return found[state]
 
+    def borders(state: int) -> tuple[Border, ...]:
+        return finder.borders(np.asarray(contact.traction[state][:, 0] > 0))
+
     states = np.unique(source)
     states = states[contact.nodes_pressed_in(states) > 0]
-    wanted = np.isin(states, source[first : reference + 1])
+    wanted = np.isin(states, source[first : last + 1])
+    reference = last
+    if np.isin(source[last], states) and not fronts(int(source[last])):
+        nodes = contact.nodes_pressed_in(source[first : last + 1])
+        reference = first + int(np.flatnonzero(nodes == nodes.max())[-1])
     tracks = []
     for front in fronts(int(source[reference])):
-        fit = _follow(contact, front, states, wanted, fronts)
+        fit = _follow(contact, front, states, wanted, fronts, borders)
         rows = np.full(len(source), -1)
         inside = np.isin(source, states)
         rows[inside] = np.searchsorted(states, source[inside])
-        tracks.append(FrontTrack(front, FrontFit(*(each[rows] for each in vars(fit).values()))))
+        known = FrontFit(*(each[rows] for each in vars(fit).values()))
+        tracks.append(FrontTrack(front, known, reference))
     return tuple(tracks)
 
 
@@ -302,8 +333,12 @@ def _follow(
     states: Indices,
     wanted: Bools,
     fronts: Callable[[int], tuple[SpaceFront, ...]],
+    borders: Callable[[int], tuple[Border, ...]],
 ) -> FrontFit:
-    """Fits in some states (n,), and a last row of unknown ones."""
+    """Fits in some states (n,), and a last row of unknown ones.
+
+    In wanted states whose pressure has no fit the place alone is known, by the nodes in contact.
+    """
     shape = len(states) + 1, len(front.sectors)
     values = np.tile(UNKNOWN[:, None, None], shape)
     todo, own, curve = np.arange(len(states)), -1, front
@@ -323,18 +358,36 @@ def _follow(
         if other is None:
             break
         curve = other
+    for row in todo[wanted[todo]]:
+        found = borders(int(states[row]))
+        nearest = _nearest(front, [frames for frames, _ in found])
+        if nearest is not None:
+            values[:2, row] = _by_outline(front, *found[nearest])
     return FrontFit(*values)
+
+
+def _by_outline(front: SpaceFront, frames: Frames, known: Array) -> Array:
+    """(2, n) places of a `Border` at the stations of a front, and error bars."""
+    fit = np.zeros((len(UNKNOWN), len(frames.arc)))
+    fit[:2] = known
+    return at_stations(frames, fit, front.frames)[:2]
 
 
 def _same(front: SpaceFront, others: tuple[SpaceFront, ...]) -> SpaceFront | None:
     """The front among others that crosses the stations' lines of a front, the nearest to them."""
+    nearest = _nearest(front, [other.frames for other in others])
+    return None if nearest is None else others[nearest]
+
+
+def _nearest(front: SpaceFront, others: Sequence[Frames]) -> int | None:
+    """Number of the frames that cross most of the stations' lines of a front, nearest to them."""
     best, distance = None, np.inf
-    for other in others:
-        flat = np.zeros((len(UNKNOWN), len(other.frames.points)))
-        place = at_stations(other.frames, flat, front.frames)[0]
+    for number, other in enumerate(others):
+        flat = np.zeros((len(UNKNOWN), len(other.points)))
+        place = at_stations(other, flat, front.frames)[0]
         crossed = np.isfinite(place)
         if crossed.mean() >= KNOWN_STATIONS and np.mean(np.abs(place[crossed])) < distance:
-            best, distance = other, float(np.mean(np.abs(place[crossed])))
+            best, distance = number, float(np.mean(np.abs(place[crossed])))
     return best
 
 

@@ -14,6 +14,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import oscillation
 from fretfe.case import AnyBody, half_plane, isotropic
 from fretfe.evaluate.contacts import (
+    LARGEST_TURNING,
     Contact,
     Frame,
     Front,
@@ -284,7 +285,7 @@ def _histories(edges: Collection[_Edge], path: _Path, dundurs: float) -> EdgeHis
 
 @dataclass(frozen=True)
 class _Shape:
-    """The contact of half-planes that stands for an edge, in the last state of the history.
+    """The contact of half-planes that stands for an edge, in the state `last` of the station.
 
     It is as wide, and grows with such a power, that a slip zone is longer than to first order by as
     much as at the station: dP/da grows at the same rate, which `load_growth` takes from the
@@ -389,7 +390,7 @@ class _Edge:
     @property
     def smallest(self) -> float:
         """Length of the smallest slip zone that is expected."""
-        expected = self.station.k_range / (self.friction * self.shape.k_n)
+        expected = float(np.ptp(self.k @ self.direction)) / (self.friction * self.shape.k_n)
         lengths = (zone.prediction for zone in self.station.slip_zones)
         return min((each for each in lengths if each > 0), default=expected)
 
@@ -481,9 +482,12 @@ def _pose(
     if reason := _unposed(station, path.friction):
         return reason
     kept, shape = path.kept, _Shape.of(front, station, twist)
+    small = kept[path.begin :][~np.isfinite(station.k_n[kept[path.begin :]])]
+    if path.cycle and len(small):
+        return f"the contact is too small in state {small[0]} for factors that are good enough"
     k_t, k_i = _loading(station, dundurs, shape.half_width)
     k = np.column_stack([k_t, station.k_s])[kept]
-    k_i = k_i[kept] - k_i[kept[-1]]
+    k_i = k_i[kept] - k_i[station.last]
     grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
     lost = np.flatnonzero(~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)))
     first = max(int(lost[-1]) + 1 if len(lost) else 0, path.first)
@@ -614,7 +618,8 @@ def _unposed(station: Station, friction: float) -> str:
         return "K_N is not known, or has an error bar of more than half of it"
     if not station.slip_zones:
         return "K_T and K_S are unknown, or do not vary"
-    if not station.k_range > 0 and all(math.isnan(zone.prediction) for zone in station.slip_zones):
+    driven = station.k_range > 0 or station.turning > LARGEST_TURNING
+    if not driven and all(math.isnan(zone.prediction) for zone in station.slip_zones):
         return "P alone drives the edge, without a cycle: slip follows it as it moves"
     if not station.depth > 0 or not station.length > 0:
         return "the width of the contact is not known"

@@ -71,13 +71,12 @@ def range_spread(
     mean = histories.mean(axis=0)[inner if inner.any() else slice(None)]
     known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
     largest = max(known, default=np.nan)
-    place = fit.place_spread[cycle, station] if len(cycle) else np.array([np.nan])
-    error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, place).max()
     # Where a contact is long the rest of its border counts too; elements are coarse at sharp ends.
     radius = 1 / max(abs(float(front.frames.curvature[station])), 1e-300)
     room = farthest(float(front.depth[station]), radius) / front.sectors[station].size
     cramped = CRAMPED * max(1 / room - 1 / SHORTEST_WAY, 0.0) * largest
-    misplaced = error / min(front.depth[station], np.median(front.depth), radius) * largest
+    width = min(front.depth[station], np.median(front.depth), radius)
+    misplaced = _misplaced(front, fit, station, cycle, width) * largest
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
         discretisation=float(
@@ -85,6 +84,27 @@ def range_spread(
         ),
         steps=excess(own.mean(axis=0), cycle, path) + float(factors.uneven[station]),
     )
+
+
+def _misplaced(
+    front: SpaceFront, fit: FrontFit, station: int, cycle: Indices, width: float
+) -> float:
+    """Error of the place of a front over a width, where that is largest in the cycle.
+
+    In a state whose place is unknown nothing is used: its steps have a part of their own.
+
+    Args:
+        front: in the reference state.
+        fit: of all states.
+        station: of the front.
+        cycle: states of the cycle.
+        width: in the reference state.
+    """
+    places, bars = fit.place[cycle, station], fit.place_spread[cycle, station]
+    known = np.isfinite(places)
+    error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, bars[known])
+    narrowed = np.clip(width - places[known], 0.1 * width, width)
+    return float(np.max(error / narrowed)) if known.any() else np.nan
 
 
 def _swing(histories: Array, station: int, direction: Array, cycle: Indices) -> Array:
