@@ -67,19 +67,3 @@ def test_zones_of_a_cycle_after_which_the_contact_opens() -> None:
         np.arange(1, 6), 0.5 * one, station, lambda *_: SlipBorder(0.1, resolved=True, gross=False)
     )
     assert [(zone.start, zone.end) for zone in found] == [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5)]
-
-
-def test_round_off_in_place_of_slip_is_no_zone() -> None:
-    """Under P and Q that grow together nodes reach f p and slip by nothing: case 31, moving."""
-    k_t = np.array([0.0, 1, -1, 1, -1, 1])
-    one, zero = np.ones(6), np.zeros(6)
-    station = StationHistory("left", 0, zero, zero, one, zero, k_t, zero, zero * k_t)
-
-    def border(start: int, end: int) -> SlipBorder:
-        slip = 1e-3 if start == 0 else 1e-8
-        return SlipBorder(0.3, resolved=True, gross=False, largest=slip, unseen=0.04)
-
-    first, *others = slip_zones(np.arange(1, 6), 0.5 * one, station, border)
-    assert first.length == 0.3
-    assert [zone.length for zone in others] == [0.0] * 4
-    assert all(zone.spread >= 0.04 for zone in others)

@@ -357,7 +357,7 @@ def test_slip_zone_is_located_below_an_element() -> None:
     from fretfe.evaluate.space.slip import SlipBetween
 
     (track,) = follow_fronts(solution, contact, STATIONS)
-    slip = SlipBetween(contact)
+    slip = SlipBetween(contact, np.zeros(len(contact.traction)))
     borders = [
         slip.border_of(sector, track.fit.place[:, row], float(track.front.depth[row]))(1, 2)
         for row, sector in enumerate(track.front.sectors)
@@ -426,7 +426,7 @@ def turning_slip(border: float, steps: int, turn: float) -> SlipBorder:
     sheared = replace(contact, slip=slip, status=status.astype(np.int8))
     (track,) = follow_fronts(solution, contact, STATIONS)
     front = track.front
-    find = SlipBetween(sheared).border_of(
+    find = SlipBetween(sheared, np.zeros(steps + 1)).border_of(
         front.sectors[0], track.fit.place[:, 0], float(front.depth[0])
     )
     return find(0, steps)

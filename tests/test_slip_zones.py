@@ -15,7 +15,7 @@ from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.cycles import slip_reversals
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import slip_zones
+from fretfe.evaluate.slip import slip_in_steps, slip_zones
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.surface.contact_surface import ContactSurface
@@ -68,7 +68,7 @@ def length(side: Side, increments: np.ndarray) -> float:
     front = plane_front(side)
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
+    border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     zones = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
@@ -109,7 +109,7 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     # K_N = 1, f = 0.5: d = 2 K_T/(f K_N) at first loading
     k_t = np.array([0.0, 0.0, 0.5, 1.0]) * elements * H / 4
     at_edge = station(front, k_t)
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
+    border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
@@ -127,7 +127,7 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     # K_N = 1, f = 0.5: a zone of three elements is predicted.
     exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]) * 3 * H / 4)
     no_cycle = np.array([], dtype=np.int64)
-    border = slip_border_of(contact, front, exact.position, np.ones(STATES, dtype=bool), 2)
+    border = slip_border_of(contact, front, exact.position, np.zeros(STATES), 2)
     (good,) = slip_zones(no_cycle, contact.friction, exact, border)
     vague = replace(exact, position_spread=np.full(STATES, 1.6 * H))
     (bad,) = slip_zones(no_cycle, contact.friction, vague, border)
@@ -152,7 +152,7 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     contact = history(increments)
     front = plane_front(side)
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
+    border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert not zone.resolved
@@ -170,10 +170,27 @@ def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolv
     contact = history(np.array([0 * X, slip]))
     front = plane_front("left")
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
-    border = slip_border_of(contact, front, at_edge.position, np.ones(STATES, dtype=bool), 2)
+    border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     no_cycle = np.array([], dtype=np.int64)
     (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
     assert zone.resolved == resolved
+
+
+def test_what_is_no_slip() -> None:
+    # Beside round-off of the solver, what nodes move before they touch.
+    contact = history(np.array([0 * X, np.where(CLOSED, 1e-17, 0.0)]))
+    least = np.full(STATES, 1e-13)
+    assert not slip_in_steps(contact, 2, 3, least).any()
+    assert slip_in_steps(contact, 2, 3, 0 * least).any()
+    status = np.array(contact.status)
+    status[3, CLOSED] = SLIP
+    status[2, np.abs(X) > 0.8] = OPEN
+    for true in (0.0, 0.1):
+        slip = np.array(contact.slip)
+        slip[3, :, 0] = slip[2, :, 0] + np.where(np.abs(X) > 0.8, 1.0, true)
+        closing = replace(contact, status=status, slip=slip)
+        found = slip_in_steps(closing, 2, 3, least)[0, CLOSED, 0]
+        assert found == pytest.approx(np.full(np.count_nonzero(CLOSED), true))
 
 
 REVERSALS = {

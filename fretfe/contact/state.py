@@ -13,16 +13,14 @@ import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface
-from fretfe.history.solution import OPEN, SLIP, STICK
+from fretfe.history.solution import OPEN, ROUND_OFF, SLIP, STICK
 from fretfe.loads.history import within_steps
 
 Status = npt.NDArray[np.int8]
 
 __all__ = ["OPEN", "SLIP", "STICK", "ContactState", "StepLoads", "StepTable", "unloaded"]
-# Violations below this fraction of the largest traction or displacement are round-off.
-ROUND_OFF = 1e-11
-# So are those below this fraction of the displacements that cancel in w: bodies that move together
-# leave gaps of 1e-13 of their motion (measured on meshes up to 330 000 unknowns).
+# Violations below this fraction of the displacements that cancel in w are round-off: bodies that
+# move together leave gaps of 1e-13 of their motion (measured on meshes up to 330 000 unknowns).
 CANCELLATION = 1e-12
 # Parts of the pressures before and after that act while a node slips. Slip that goes on is even. Of
 # a zone that grows evenly from an edge inward with p ~ √s, each node slips as (t - s/d)^(3/2): on

@@ -15,6 +15,7 @@ from fretfe.evaluate.contacts import SlipZone, StationHistory
 from fretfe.evaluate.cycles import Worst, slip_reversals
 from fretfe.evaluate.factors import LoadPath
 from fretfe.evaluate.plane.section import plane_front
+from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
 
@@ -27,10 +28,6 @@ SMALLEST_SLIP = 3e-4
 HIDDEN = 0.1
 # Error bar of border and front over the length of the zone, beyond which it is not resolved.
 LARGEST_SPREAD = 0.5
-# Slip this much weaker than in another half cycle is round-off: nodes that reach f p but do not
-# slip, as where P and Q grow together. At this strength a zone of real slip would be a twentieth of
-# the one that is found.
-FAINT = 0.01
 # The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of
 # its range.
 AT_EXTREME = 1e-2
@@ -46,21 +43,12 @@ class SlipBorder:
     ``spread`` is half the width of an interval that is meant to hold the place of the border with
     95 %, 0 in closed forms; the error of the edge is not in it. Infinite if a fit has no length.
 
-    ``largest`` is the largest slip of the nodes in the zone, ``unseen`` the length of a zone in
-    which no node would slip; NaN and 0 in closed forms.
     """
 
     length: float
     resolved: bool
     gross: bool
     spread: float = 0.0
-    largest: float = np.nan
-    unseen: float = 0.0
-
-    @property
-    def strength(self) -> float:
-        """Largest slip over length^(3/2): about the same in all half cycles, as f K_N / E*."""
-        return self.largest / self.length**1.5 if self.length > 0 else np.nan
 
 
 @dataclass(frozen=True)
@@ -81,6 +69,34 @@ UNDRIVEN = 1e-9
 FindBorder = Callable[[int, int], SlipBorder]
 
 
+def slip_in_steps(
+    contact: ContactHistory,
+    first: int,
+    last: int,
+    least: Array,
+    nearby: Indices | slice = slice(None),
+) -> Array:
+    """(last - first, N, d - 1) slip of the nodes in the steps between two states.
+
+    Motion before a node touches is no slip: of a node that closes in a step no more counts than of
+    those nearby that were in contact before, and nothing where these stick.
+
+    Args:
+        contact: one contact.
+        first: state.
+        last: state.
+        least: (T,) slip of a node beyond which it counts in the step to each state.
+        nearby: nodes that tell how much of the motion of closing ones is slip.
+    """
+    slip = np.diff(contact.slip[first : last + 1], axis=0)
+    status, size = np.asarray(contact.status[first : last + 1]), np.linalg.norm(slip, axis=2)
+    slips = (status[1:] == SLIP) & (size > least[first + 1 : last + 1, None])
+    closes = status[:-1] == OPEN
+    largest = np.where(slips & ~closes, size, 0.0)[:, nearby].max(axis=1, initial=0.0)
+    counted = np.where(closes, np.minimum(size, largest[:, None]), size)
+    return slip * np.where(slips, counted / np.where(size > 0, size, 1.0), 0.0)[..., None]
+
+
 def cycle_states(cycle: tuple[int, int] | None) -> States:
     """States of the evaluated cycle, first and last included; empty without a cycle."""
     if cycle is None:
@@ -97,6 +113,7 @@ def slip_zones(
     place: Callable[[float, float], float] | None = None,
     worst: Worst | None = None,
     pressed: bool = False,
+    unlike: bool = False,
 ) -> tuple[SlipZone, ...]:
     """Slip zones of a station in time order.
 
@@ -110,7 +127,9 @@ def slip_zones(
             for a station of a plane front.
         worst: the cycle whose half cycles alone are looked at, where loads are irregular.
         pressed: whether P alone drives the edge. Slip then follows the edge, and what slipped
-            before lies behind it: the last step is all there is, and no formula predicts it.
+            before lies behind it: the last step is all there is.
+        unlike: whether bodies are unlike, so that P makes slip, which no formula predicts. Between
+            similar ones an edge sticks while it moves outward faster than it is sheared.
     """
     place = place or plane_front(station.front).place
     frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
@@ -127,16 +146,18 @@ def slip_zones(
     if not pressed:
         halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
     halves = [(start, end) for start, end in halves if np.isfinite(station.position[end])]
-    borders = _without_faint([find_border(start, end) for start, end in halves])
-    for (start, end), border in zip(halves, borders, strict=True):
+    for start, end in halves:
+        border = find_border(start, end)
         cyclic, loop = _prediction(cycle, friction[end], end, station)
-        if worst and not len(cycle):
+        if pressed and not unlike:
+            cyclic = 0.0
+        elif worst and not len(cycle):
             cyclic = worst.predicted
         elif start == first and not pressed and math.isfinite(station.k_n[end]):
             rise = abs(station.k_t[end] - station.k_t[first])
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         spread = math.hypot(border.spread, float(station.position_spread[end]))
-        if pressed:  # what slips depends on where the edge is in the step
+        if pressed and border.length > 0:  # what slips depends on where the edge is in the step
             spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
         missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
         # A zone that is long against its edge grows faster than predicted.
@@ -155,20 +176,6 @@ def slip_zones(
         )
         zones.append(_doubted(zone, border.spread))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
-
-
-def _without_faint(borders: list[SlipBorder]) -> list[SlipBorder]:
-    """The slip zones of a station's half cycles; no zone where slip is round-off beside others."""
-    # The length of a zone of an element or less is too vague to be compared by its strength.
-    clear = [each for each in borders if each.length > each.unseen]
-    strongest = max((each.strength for each in clear if each.strength > 0), default=0.0)
-    farthest = max((each.largest for each in clear if each.strength > 0), default=0.0)
-    return [
-        SlipBorder(0.0, resolved=True, gross=False, spread=each.unseen, unseen=each.unseen)
-        if each.strength < FAINT * strongest and each.largest < FAINT * farthest
-        else each
-        for each in borders
-    ]
 
 
 def _told(border: SlipBorder, spread: float) -> bool:

@@ -24,6 +24,9 @@ OPEN, STICK, SLIP = 0, 1, 2
 # Forces below this fraction of the largest one in the history are not compared with themselves:
 # what round-off leaves of a balance is 1e-12 of the largest one.
 NO_FORCE = 1e-6
+# Violations of contact conditions below this fraction of the largest traction or displacement are
+# round-off.
+ROUND_OFF = 1e-11
 
 
 class Factor(IntEnum):
@@ -270,6 +273,14 @@ class Solution:
         scale = self.certificates[f"{kind}_scale"]
         least = max(NO_FORCE * float(scale.max()), float(np.finfo(float).tiny))
         return np.asarray(self.certificates[f"{kind}_imbalance"] / np.maximum(scale, least))
+
+    @property
+    def least_slip(self) -> Array:
+        """(T,) length below which the slip of a node in a step is zero to the solver.
+
+        Nodes that reach f p but are not driven on, as where P and Q grow together, have such slip.
+        """
+        return ROUND_OFF * self.certificates["gap_scale"]
 
     @property
     def dimension(self) -> int:

@@ -15,6 +15,7 @@ from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge
 from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.verdicts import AGREES, judge
 from fretfe.halfplane import solve_half_planes
 
 SIDES: tuple[Side, Side] = ("left", "right")
@@ -128,6 +129,32 @@ def test_an_edge_that_moves_more_than_it_is_sheared_does_not_slip() -> None:
     constant = float(hertz_dissipation(HERTZ, LOAD, FRICTION, 0.1 * LIMIT))
     assert summary.dissipation < 0.004 * constant
     assert [zone.length for edge in summary.stations for zone in edge.slip_zones[-2:]] == [0.0] * 4
+
+
+def assert_still(summary: Contact) -> None:
+    for edge in summary.stations:
+        zone = edge.slip_zones[-1]
+        assert (zone.length, zone.prediction, zone.resolved) == (0.0, 0.0, True)
+        assert 0 < zone.spread < 0.01
+        assert judge(edge, zone).word == AGREES
+
+
+@pytest.mark.parametrize("friction_while_pressing", [True, False])
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_slip_that_is_round_off_of_the_solver_is_none(
+    sign: float, friction_while_pressing: bool
+) -> None:
+    # dQ/dP = .3 < f, in phase and in opposite phase: some nodes reach f p and slip by 1e-16.
+    wave, pressing = np.sin(loop(40, 3)), friction_while_pressing
+    p, q = LOAD * (1 + 0.2 * wave), sign * 0.3 * 0.2 * LOAD * wave
+    assert_still(solved(problem(p, q, frictional_press=pressing, cycle=40)))
+
+
+@pytest.mark.parametrize("share", [0.1, 0.6])
+def test_loads_in_proportion_make_no_slip(share: float) -> None:
+    # Q/P < f from zero on: what nodes move before they touch is no slip.
+    load = LOAD * np.linspace(0.4, 1.0, 4)
+    assert_still(solved(problem(load, share * FRICTION * load, frictional_press=True)))
 
 
 PROFILES: dict[str, Profile] = {

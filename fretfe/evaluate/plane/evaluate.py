@@ -436,10 +436,18 @@ class _Edges:
                 return None
             return zone_growth(evaluated, contact.friction, start, end, outer)
 
-        border = slip_border_of(contact, front, position, outer, degree, growth)
+        least = np.where(outer, self.solution.least_slip, np.inf)
+        border = slip_border_of(contact, front, position, least, degree, growth)
         pressed = self.pressed[front.number]
         zones = slip_zones(
-            cycle, contact.friction, evaluated, border, self.path, worst=worst, pressed=pressed
+            cycle,
+            contact.friction,
+            evaluated,
+            border,
+            self.path,
+            worst=worst,
+            pressed=pressed,
+            unlike=contact.surface.dundurs != 0,
         )
         return tuple(
             with_shear(contact, front, position, self.centre, zone, angle) for zone in zones

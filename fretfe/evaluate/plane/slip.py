@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,8 +14,8 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.growth import FindGrowth, Growth, evened
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.section import PlaneFront, main_patch
-from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
-from fretfe.history.solution import OPEN, SLIP, ContactHistory
+from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_steps
+from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 
 # Error of a node of slip^(2/3), as an error of its place in elements: of finite elements, and of
@@ -162,7 +163,7 @@ def slip_border_of(
     contact: ContactHistory,
     front: PlaneFront,
     position: Array,
-    outer: Bools,
+    least: Array,
     degree: int,
     growth: FindGrowth = lambda *_: None,
 ) -> FindBorder:
@@ -172,13 +173,13 @@ def slip_border_of(
         contact: one contact.
         front: one of its fronts.
         position: (T,) of the edge.
-        outer: (T,) whether the slip in the step to each state counts.
+        least: (T,) slip of a node beyond which it counts in the step to each state.
         degree: of the displacements.
         growth: gives the growth of the zone of a half cycle.
     """
     hidden = LINEAR_ELEMENTS if degree == 1 else 0.0
     return lambda start, end: _border_between(
-        contact, front, start, end, float(position[end]), outer, hidden, growth(start, end)
+        contact, front, start, end, float(position[end]), least, hidden, growth(start, end)
     )
 
 
@@ -188,7 +189,7 @@ def _border_between(
     start: int,
     end: int,
     position: float,
-    outer: Bools,
+    least: Array,
     hidden: float,
     growth: Growth | None,
 ) -> SlipBorder:
@@ -203,9 +204,11 @@ def _border_between(
     patch = main_patch(contact.surface.arc, contact.traction[end, :, 0])
     closed[: patch.first] = closed[patch.last + 1 :] = False
     nodes = front.from_front(np.flatnonzero(closed))
-    line = _line(contact, start, end, outer, nodes[: len(nodes) // 2])
-    forward, backward = _slip_both_ways(contact, start, end, outer, line)
-    total = (forward - backward)[nodes[: len(nodes) // 2]]
+    nearby = nodes[: len(nodes) // 2]
+    steps = partial(_steps, contact, start, end, least, nearby)
+    line = _line(steps(), nearby)
+    forward, backward = _slip_both_ways(steps(), line)
+    total = (forward - backward)[nearby]
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
     moved = slip > SMALLEST_SLIP * slip.max()
@@ -219,9 +222,6 @@ def _border_between(
             return slip_border(s, slip[nodes] / stretch, moved)
 
         border = evened(growth, s, border, find, size)
-    unseen = max(float(s[0]), 0.0) + float(s[1] - s[0])
-    zone = slip[nodes][: max(np.count_nonzero(s < border.length), 1)]
-    border = replace(border, largest=float(zone.max()), unseen=unseen)
     if hidden and border.length > 0:
         hidden *= size * min(size / border.length, 0.5)
         stiff = LINEAR_BODIES * border.length
@@ -233,44 +233,36 @@ def _border_between(
     return replace(border, resolved=False, spread=spread)
 
 
-def _line(contact: ContactHistory, start: int, end: int, outer: Bools, nodes: Indices) -> Array:
-    """(d - 1,) unit vector of the largest slip of some nodes (n,) between two states; +x at d = 2.
+def _line(steps: Iterator[Array], nodes: Indices) -> Array:
+    """(d - 1,) unit vector of the largest slip of some nodes in steps; +x at d = 2.
 
     Args:
-        contact: one contact.
-        start: first state.
-        end: last state.
-        outer: (T,) whether the slip in the step to each state counts.
-        nodes: of the slip zone and around it.
+        steps: (n, N, d - 1) slip, block by block.
+        nodes: (n,) of the slip zone and around it.
     """
-    if contact.slip.shape[2] == 1:
+    total = np.sum([each[:, nodes].sum(axis=0) for each in steps], axis=0)
+    if total.shape[1] == 1:
         return np.ones(1)
-    parts = [each[:, nodes].sum(axis=0) for each in _steps(contact, start, end, outer)]
-    total = np.sum(parts, axis=0)
     size = np.linalg.norm(total, axis=1)
     largest = int(size.argmax()) if len(size) else 0
     return np.asarray(total[largest] / size[largest]) if size.any() else np.array([1.0, 0.0])
 
 
-def _steps(contact: ContactHistory, start: int, end: int, outer: Bools) -> Iterator[Array]:
-    """(n, N, d - 1) slip in the outer steps between two states, block by block."""
+def _steps(
+    contact: ContactHistory, start: int, end: int, least: Array, nodes: Indices
+) -> Iterator[Array]:
+    """(n, N, d - 1) slip in the steps between two states at nodes and around, block by block."""
     for part in blocks(end - start, math.prod(contact.slip.shape[1:])):
         first, last = start + part.start, start + part.stop
-        slipping = contact.status[first + 1 : last + 1] == SLIP
-        slipping &= outer[first + 1 : last + 1, None]
-        slip = np.diff(contact.slip[first : last + 1], axis=0)
-        yield np.where(slipping[..., None], slip, 0.0)
+        yield slip_in_steps(contact, first, last, least, nodes)
 
 
-def _slip_both_ways(
-    contact: ContactHistory, start: int, end: int, outer: Bools, line: Array
-) -> tuple[Array, Array]:
-    """(N,) sums of slip increments along a line (d - 1,) and against it in outer steps."""
-    sums = np.zeros((2, len(contact.surface.arc)))
-    for steps in _steps(contact, start, end, outer):
-        increments = steps @ line
-        sums += np.maximum(increments, 0.0).sum(axis=0), np.maximum(-increments, 0.0).sum(axis=0)
-    return sums[0], sums[1]
+def _slip_both_ways(steps: Iterator[Array], line: Array) -> tuple[Array, Array]:
+    """(N,) sums of slip increments in steps (n, N, d - 1) along a line (d - 1,) and against it."""
+    along = (each @ line for each in steps)
+    both = [(np.maximum(e, 0.0).sum(axis=0), np.maximum(-e, 0.0).sum(axis=0)) for e in along]
+    forward, backward = np.sum(both, axis=0)
+    return forward, backward
 
 
 def _slip_behind(moved: Bools) -> int | None:

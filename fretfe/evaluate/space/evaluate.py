@@ -187,7 +187,8 @@ def evaluate_fronts(
         tracks: its fronts.
         told: as of `evaluate_solids`.
     """
-    slip, path = SlipBetween(contact), load_path(solution.values, solution.between, solution.cycle)
+    slip = SlipBetween(contact, solution.least_slip)
+    path = load_path(solution.values, solution.between, solution.cycle)
     fronts, first = [], 0
     for number, track in enumerate(tracks):
         count = len(track.front.sectors)
@@ -473,6 +474,7 @@ class _Front:
             lambda position, border: position + border,
             worst,
             self.pressed[number],
+            self.contact.surface.dundurs != 0,
         )
 
     def _with_shear(

@@ -11,17 +11,15 @@ only larger slip counts for the area.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.growth import FindGrowth, evened
 from fretfe.evaluate.numerics import average
 from fretfe.evaluate.plane.slip import INTERVAL, NODAL_ERROR
-from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder
+from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_steps
 from fretfe.evaluate.space.sectors import Sector
-from fretfe.history.solution import OPEN, SLIP, ContactHistory
+from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 
 # Nodes closer to the border than that, in elements, are means over stick and slip.
@@ -174,10 +172,11 @@ class SlipBetween:
 
     Args:
         contact: one contact.
+        least: (T,) slip of a node beyond which it counts in the step to each state.
     """
 
-    def __init__(self, contact: ContactHistory) -> None:
-        self._contact = contact
+    def __init__(self, contact: ContactHistory, least: Array) -> None:
+        self._contact, self._least = contact, least
         self._read: dict[tuple[int, int], tuple[Array, Bools]] = {}
 
     def steps(self, start: int, end: int) -> tuple[Array, Bools]:
@@ -186,9 +185,7 @@ class SlipBetween:
             contact, parts = self._contact, []
             for part in blocks(end - start, contact.surface.points.size):
                 first, last = start + part.start, start + part.stop
-                slipping = contact.status[first + 1 : last + 1] == SLIP
-                slip = np.diff(contact.slip[first : last + 1], axis=0)
-                slip = np.where(slipping[..., None], slip, 0.0)
+                slip = slip_in_steps(contact, first, last, self._least)
                 parts.append(np.einsum("knt,ntd->knd", slip, contact.surface.frames[:, 1:]))
             closed = np.asarray(contact.status[end] != OPEN)
             self._read[start, end] = np.concatenate(parts), closed
@@ -233,7 +230,7 @@ class SlipBetween:
                     )
 
                 border = evened(grown, sector.s - here, border, by, sector.size)
-            return replace(border, largest=float(slip.max(initial=0.0)), unseen=sector.size)
+            return border
 
         return find
 
