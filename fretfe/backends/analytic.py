@@ -327,7 +327,7 @@ def _station(
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
     path = load_path(loads.values, loads.between, loads.cycle)
-    cycles = count_cycles(cycle, problem.friction, history)
+    cycles = count_cycles(cycle, problem.friction, history, problem.history.returns)
     worst = worst_cycle(cycles, cycle, problem.friction, history)
     zones = slip_zones(cycle, problem.friction, history, borders, path, worst=worst)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))

@@ -118,13 +118,17 @@ class _Slip:
         return np.asarray(self.forward[states] if way > 0 else -self.backward[states])
 
 
-def count_cycles(cycle: Indices, friction: Array, station: StationHistory) -> CountedCycles:
+def count_cycles(
+    cycle: Indices, friction: Array, station: StationHistory, returns: bool = False
+) -> CountedCycles:
     """Count the cycles of a station.
 
     Args:
         cycle: states of the evaluated cycle; empty to count the whole history.
         friction: (T,) coefficient in the step that ends at each state.
         station: its factors.
+        returns: whether all loads return in the cycle. Increments of an edge that moves need not
+            add up to nothing then: K_T goes on from cycle to cycle, and slip does not.
     """
     known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
     if not friction.any():
@@ -139,7 +143,7 @@ def count_cycles(cycle: Indices, friction: Array, station: StationHistory) -> Co
     if friction[states[1:]].min(initial=np.inf) == 0:
         return no_cycles("there is no friction in a part of the cycle")
     slip = _slip(states, friction, station)
-    order, closed = _order(states, slip) if len(cycle) else (states, False)
+    order, closed = _order(states, slip, returns) if len(cycle) else (states, False)
     ends, directions = slip_phases(slip.forward[order], slip.backward[order])
     if not len(ends):
         return no_cycles("nothing varies")
@@ -176,14 +180,14 @@ def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
     return _Slip(forward, backward, begin, fresh=begin == first)
 
 
-def _order(states: Indices, slip: _Slip) -> tuple[Indices, bool]:
+def _order(states: Indices, slip: _Slip, returns: bool) -> tuple[Indices, bool]:
     """States of a cycle as they are counted, and whether they repeat themselves.
 
     A cycle that returns to where it began is counted from its largest load on, to itself.
     """
     signals = np.array([slip.forward[states], slip.backward[states]])
     drift = np.abs(signals[:, -1] - signals[:, 0])
-    if (drift > CLOSED * np.ptp(signals, axis=1).max()).any():
+    if not returns and (drift > CLOSED * np.ptp(signals, axis=1).max()).any():
         return states, False
     period = states[1:]
     largest = int(np.argmax(slip.forward[period]))
@@ -344,18 +348,20 @@ def may_become_steady(changes: Sequence[Sequence[float]]) -> bool:
     return bool(unsteady) and not any(lasting)
 
 
-def unsteady_text(changes: Sequence[float]) -> str:
+def unsteady_text(changes: Sequence[float], given: bool = False) -> str:
     """Say that a cycle is not steady, and how many more it takes; empty if it is.
 
     Args:
         changes: as of `cycle_changes`.
+        given: whether `[cycle]` names the cycle.
     """
+    where = " before the one in [cycle]" if given else ""
     now, *before = changes
     if not now >= STEADY_CHANGE:
         return ""
     found = f"not in steady state: the shear changes by {now:.2g} f p_max over the evaluated cycle"
     if not before:
-        return f"{found}; add a cycle: after two it is told about how many there have to be"
+        return f"{found}; add a cycle{where}: after two it is told about how many there have to be"
     # The slower fall of the last two: the first one, out of the unloaded state, is the fastest.
     factor = max(
         late / early if early > 0 else math.inf for late, early in itertools.pairwise(changes)
@@ -368,8 +374,8 @@ def unsteady_text(changes: Sequence[float]) -> str:
     count = max(1, math.ceil(math.log(STEADY_CHANGE / now) / math.log(factor)))
     cycles = "cycle" if count == 1 else "cycles"
     return (
-        f"{found}; add about {count} {cycles}: the change falls by a factor of {1 / factor:.2g} "
-        "from one to the next"
+        f"{found}; add about {count} {cycles}{where}: the change falls by a factor of "
+        f"{1 / factor:.2g} from one to the next"
     )
 
 

@@ -24,6 +24,7 @@ from fretfe.evaluate.verdicts import withheld
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
+from fretfe.loads import CycleChoice
 from fretfe.surface.surface import edges_once, rim_nodes
 
 # Part of the range of K_T that may lie between the steps without a warning.
@@ -75,7 +76,7 @@ def plane_warnings(
         yield from about(name, station.front, _uncounted(solution, station))
     yield from _surfaces(contact)
     yield from about(name, "", _patches(contact))
-    if unsteady := unsteady_text(changes):
+    if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
     for station in stations:
         yield from about(name, station.front, _uncertain(station, linear=solution.degree == 1))
@@ -161,7 +162,7 @@ def _solid_contact(
     for each in found["patches"]:
         if each.reason:
             yield Kind.PATCH_FORCES, f"patch {each.name}: {each.reason}"
-    if unsteady := unsteady_text(changes):
+    if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
         yield Kind.UNSTEADY, unsteady
 
 

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import numpy as np
-
 from fretfe.case import Case, Wave
-from fretfe.loads.history import CLOSED, CycleChoice, History
+from fretfe.loads.history import CycleChoice, History
 
 # Added cycles from one extrapolation of slip to the next: it takes two changes without one between.
 PER_EXTRAPOLATION = 3
@@ -62,10 +60,8 @@ def most_added(case: Case, history: History, dimension: int) -> int:
     """
     if dimension == 2 or history.cycle is None or history.cycle[1] != len(history.times) - 1:
         return 0
-    first, last = history.values[list(history.cycle)]
-    closed = np.abs(last - first) <= CLOSED * np.abs(history.values).max(axis=0)
     waves = (isinstance(load.history[-1], Wave) for load in case.loads.values())
-    return case.cycle.most_more if closed.all() and any(waves) else 0
+    return case.cycle.most_more if history.returns and any(waves) else 0
 
 
 def cycle_words(loads: History, unit: str) -> str:

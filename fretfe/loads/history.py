@@ -379,6 +379,14 @@ class History:
             between=between,
         )
 
+    @property
+    def returns(self) -> bool:
+        """True if there is a cycle to evaluate, and every load is at its end what it was before."""
+        if self.cycle is None:
+            return False
+        first, last = self.values[list(self.cycle)]
+        return bool(np.all(np.abs(last - first) <= CLOSED * np.abs(self.values).max(axis=0)))
+
     def until(self, step: int, later: int = 0) -> History:
         """The loads until a step.
 

@@ -381,7 +381,7 @@ class _Edges:
         history = in_cycle(cycle, history)
         along = replace(history, k_t=np.column_stack([history.k_t, history.k_s]) @ direction)
         evaluated = in_evaluated_interval(contact, self.solution.cycle, along)
-        cycles = count_cycles(cycle, contact.friction, evaluated)
+        cycles = count_cycles(cycle, contact.friction, evaluated, self.solution.loads.returns)
         point, frame = _place(contact, front, fit.position)
         angle = float(np.degrees(np.arctan2(direction[1], direction[0])))
         here = nearest_front(contact.surface.arc, last_known(self.centre, cycle)) == front.number

@@ -393,7 +393,7 @@ class _Front:
         direction, turning = main_direction(vectors, cycle)
         along = replace(history, k_t=vectors @ direction)
         spread = range_spread(self.factors, front, fit, number, direction, cycle, self.path)
-        cycles = count_cycles(cycle, self.contact.friction, along)
+        cycles = count_cycles(cycle, self.contact.friction, along, self.solution.loads.returns)
         length = float(last_known(fit.length[:, number], cycle))
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         # Shear along the front knows nothing of beta.
