@@ -13,6 +13,7 @@ from fretfe.analytic._numerics import Side
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.cycles import slip_reversals
+from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import slip_in_steps, slip_zones
@@ -191,6 +192,21 @@ def test_what_is_no_slip() -> None:
         closing = replace(contact, status=status, slip=slip)
         found = slip_in_steps(closing, 2, 3, least)[0, CLOSED, 0]
         assert found == pytest.approx(np.full(np.count_nonzero(CLOSED), true))
+
+
+@pytest.mark.parametrize("right_end", [X[-1] + H, X[-1] - 4 * H])
+def test_no_edge_lies_outside_the_surface(right_end: float) -> None:
+    # The contact ends with the bodies on the left, and on the right if it reaches that far.
+    contact = history(np.zeros((2, len(X))))
+    pressure = np.sqrt(np.maximum(right_end - X, 0.0))
+    traction = np.stack([pressure, 0 * X], axis=1) * np.ones((STATES, 1, 1))
+    left, right = edge_fits(replace(contact, traction=traction), np.arange(STATES))
+    assert np.isnan([left.position, left.k_n]).all()
+    if right_end > X[-1]:
+        assert np.isnan([right.position, right.k_n]).all()
+    else:
+        assert right.position == pytest.approx(right_end, abs=0.2 * H)
+        assert right.k_n == pytest.approx(1.0, rel=0.02)
 
 
 REVERSALS = {

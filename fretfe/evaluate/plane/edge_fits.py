@@ -48,7 +48,9 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
                 fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
             else:
                 fit = fit_edge(section, solved=True)
-            parts[front.number][:, there] = astuple(fit)
+            # At the end of the surface the contact ends with the body, at a corner.
+            inside = section.origin != front.from_front(contact.surface.arc)[0]
+            parts[front.number][:, there[inside]] = np.array(astuple(fit))[:, inside]
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
 
