@@ -97,7 +97,7 @@ def test_a_result_agrees_with_itself() -> None:
     comparison = fretfe.compare(solved("halfplane"), solved("halfplane"))
     assert {each.difference for each in comparison.quantities} == {0.0}
     bars = [each for each in comparison.quantities if math.isfinite(each.first_spread)]
-    assert len(bars) == 8 and all(each.verdict == "agrees" for each in bars)
+    assert len(bars) == 10 and all(each.verdict == "agrees" for each in bars)
     assert all(
         each.pressure_difference == each.shear_difference == 0 for each in comparison.tractions
     )

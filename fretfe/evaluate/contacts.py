@@ -65,6 +65,10 @@ def reported(value: float, spread: float) -> float:
     return float(value) if spread <= NO_NUMBER * abs(value) else math.nan
 
 
+def _reported_work(value: float, spread: float) -> float:
+    return math.nan if spread > value else value
+
+
 def uncertain_factor(value: float, spread: float) -> bool:
     """True if a factor is known to less than a twentieth, or not how well."""
     return math.isfinite(value) and not spread <= LARGEST_SPREAD * abs(value)
@@ -418,7 +422,15 @@ class Station(StationHistory):
     dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (
         math.nan
     )
+    dissipation_spread: Annotated[
+        float, Quantity("work", "error bar of that; NaN of solids and closed forms")
+    ] = math.nan
     local: LocalProblem = field(default_factory=lambda: no_local_problem("it was not solved"))
+
+    @property
+    def reported_dissipation(self) -> float:
+        """Friction work; NaN if its error bar is larger."""
+        return _reported_work(self.dissipation, self.dissipation_spread)
 
     @property
     def k_along(self) -> Array:
@@ -708,6 +720,9 @@ class Contact:
     dissipation: Annotated[
         float, Quantity("work", "friction work in the evaluated cycle, or of all steps without one")
     ]
+    dissipation_spread: Annotated[
+        float, Quantity("work", "error bar of that; NaN of solids and closed forms")
+    ] = math.nan
     dissipation_change: Annotated[
         float, Quantity("", "relative change of that from the cycle before")
     ]
@@ -730,6 +745,11 @@ class Contact:
     def stations(self) -> tuple[Station, ...]:
         """The stations of all fronts in one row: in the plane the left and the right edge."""
         return tuple(station for front in self.fronts for station in front.stations)
+
+    @property
+    def reported_dissipation(self) -> float:
+        """Friction work; NaN if its error bar is larger."""
+        return _reported_work(self.dissipation, self.dissipation_spread)
 
     @property
     def local_dissipation(self) -> float:

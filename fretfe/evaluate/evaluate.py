@@ -158,7 +158,8 @@ def _of_half(
     first, last = solution.cycle or (0, states - 1)
     resultants = plane_resultants(contact, found["centre"])
     work = float(resultants["work"][first + 1 : last + 1].sum())
-    return {**found, **resultants, "fronts": tuple(fronts), "dissipation": work}
+    own = {"dissipation": work, "dissipation_spread": found["dissipation_spread"] / 2}
+    return {**found, **resultants, "fronts": tuple(fronts), **own}
 
 
 def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array) -> float:

@@ -154,7 +154,7 @@ def _edge(edge: Station) -> list[Number]:
             else Number(name, "length", math.nan)
             for name, zone in zip(ZONES, zones, strict=True)
         ),
-        Number("friction work", "work", edge.dissipation),
+        Number("friction work", "work", edge.reported_dissipation, edge.dissipation_spread),
     ]
 
 

@@ -269,7 +269,8 @@ EDGES = (
         "whether the mesh resolves both",
         lambda _, s: all(z.resolved for z in s.slip_zones[-2:]),
     ),
-    _number("dissipation"),
+    _number("dissipation", read="reported_dissipation"),
+    _number("dissipation_spread"),
     Column("steady", "", "whether the cycle is steady", lambda c, _: bool(c.steady)),
     Column("warnings", "", "what a reader must know", lambda c, _: _sentences(c)),
 )

@@ -60,11 +60,11 @@ from fretfe.evaluate.plane.pressure_fit import EdgeFit
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.resultants import plane_resultants
-from fretfe.evaluate.slip import cycle_states, in_cycle, slip_zones
+from fretfe.evaluate.slip import cycle_states, in_cycle, slip_in_steps, slip_zones
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
-from fretfe.history.solution import ContactHistory, Factor, Solution
+from fretfe.history.solution import OPEN, ContactHistory, Factor, Solution
 from fretfe.history.state_array import blocks
 
 # Degrees from inward beyond which the range of (K_T, K_S) has next to no K_T to be compared.
@@ -146,6 +146,7 @@ def evaluate_plane(
         if all(abs(each.k_angle) < NEARLY_ALONG_Z for each in stations)
         else np.nan,
         "dissipation": float(_friction_work(solution, contact).sum()),
+        "dissipation_spread": float(_work_spread(solution, contact).sum()),
     }
 
 
@@ -414,6 +415,7 @@ class _Edges:
             cycles=cycles,
             slip_zones=self._zones(front, evaluated, angle, cycles),
             dissipation=float(work[here].sum()),
+            dissipation_spread=float(_work_spread(self.solution, contact)[here].sum()),
         )
         return without_formulas(found)
 
@@ -536,3 +538,28 @@ def _friction_work(solution: Solution, contact: ContactHistory) -> Array:
         begin, end = max(first + 1 - states.start, 0), max(last + 1 - states.start, 0)
         in_cycle += contact.dissipation[states][begin:end].sum(axis=0)
     return in_cycle
+
+
+def _work_spread(solution: Solution, contact: ContactHistory) -> Array:
+    """(N,) error bar of the friction work of each node; of several nodes they add up.
+
+    When in a step a node slips is not known, so that its work lies between those of the smaller and
+    of the larger pressure at the ends of the step. The work next to an edge is known to that of its
+    outermost node, within whose element the edge is somewhere.
+    """
+    first, last = solution.cycle or (0, len(contact.dissipation) - 1)
+    spread, least = np.zeros(len(contact.surface.arc)), solution.least_slip
+    for part in blocks(last - first, contact.traction[0].size):
+        begin, end = first + part.start, first + part.stop
+        slip = np.linalg.norm(slip_in_steps(contact, begin, end, least), axis=2)
+        pressure = np.maximum(contact.mean_traction[begin : end + 1, :, 0], 0.0)
+        changes = contact.friction[begin + 1 : end + 1, None] * np.abs(np.diff(pressure, axis=0))
+        spread += (changes * slip).sum(axis=0) * contact.surface.weights / 2
+        closed = np.asarray(contact.status[begin + 1 : end + 1]) != OPEN
+        works = np.asarray(contact.dissipation[begin + 1 : end + 1])
+        for front in PLANE_FRONTS:
+            outermost = np.argmax(front.from_front(closed), axis=1)[:, None]
+            alone = np.take_along_axis(front.from_front(works), outermost, axis=1)[:, 0]
+            nodes = front.from_front(np.arange(len(spread)))[outermost[:, 0]]
+            np.add.at(spread, nodes, alone)
+    return spread

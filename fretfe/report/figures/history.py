@@ -260,7 +260,7 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     slip = np.concatenate(means)
     slip = (slip - slip[0]) / shown.tractions.surface.weights[closed].sum()
     cycle = shown.run.loads.cycle is not None
-    work = f"{number(shown.summary.dissipation)} {work_unit(shown.run)}"
+    work = f"{number(shown.summary.reported_dissipation)} {work_unit(shown.run)}"
     when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
     caption = f"Friction work of this contact in the {when}: {work}."
     if len(path):

@@ -313,7 +313,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         cycles=_table("table of counted cycles", lambda: cycle_table(run)),
         fronts=_table("table of fronts", lambda: station_table(run)) if run.solid else None,
         works=[
-            f"{contact.name} {number(contact.dissipation)}"
+            f"{contact.name} {_work_words(contact)}"
             for contact in run.contacts
             if math.isfinite(contact.dissipation)
         ],
@@ -342,6 +342,16 @@ def _table(name: str, make: Callable[[], Table | None]) -> Table | None:
 
 def _checks(run: Result) -> tuple[Row, ...]:
     return tuple(own_rows(run)) if _solved(run.solution) else ()
+
+
+def _work_words(contact: Contact) -> str:
+    """Friction work of a contact with its error bar, where it has one."""
+    bar = contact.dissipation_spread
+    if math.isnan(bar):
+        return number(contact.dissipation)
+    if math.isnan(contact.reported_dissipation):
+        return f"unknown, since its error bar of {number(bar, 2)} is larger than the work itself"
+    return f"{number(contact.dissipation)} ± {number(bar, 2)}"
 
 
 def _solved(solution: Solution | None) -> bool:
