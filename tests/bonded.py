@@ -88,7 +88,7 @@ def bonded(case: Case, load: LoadMesh | None = None, areas: Areas | None = None)
         place = Place(
             pair.name, pair.body1, pair.body2, pair.coupling.surface, pair.coupling.averaging
         )
-        steps = step_loads(case, history, reduction.interface, reduction.definition)
+        steps = step_loads(case, history, reduction)
         recorder = Recorder(march, [place], steps, loads, case.model.degree)
         solve_history(march, recorder, steps, False, DEFAULTS.progress)
         found = [recorder.increments(0)]

@@ -78,7 +78,7 @@ def run(data: dict[str, Any], *meshes: BodyMesh) -> Run:
     tractions, forces = None, None
     if comm.rank == 0:
         interface = model.reduction.interface
-        steps = step_loads(case, history, interface, model.reduction.definition)
+        steps = step_loads(case, history, model.reduction)
         results = list(march_through(March(interface), steps))
         roots = interface.roots[:, None]
         tractions = np.array([result.state.traction / roots for result in results])

@@ -30,6 +30,7 @@ from fretfe.results.field_files import FIELDS, FieldWriter
 from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import Friction
 from fretfe.surface.surface import tangent_frames
 
 FRICTION, RADIUS, PEAK, SHEAR = 0.4, 1.0, 300.0, 0.6
@@ -167,7 +168,8 @@ def contact(shape: Surface, name: str, history: dict[str, Array]) -> ContactHist
             np.zeros(0), shape.points, frames, weights,
             shape.facets, free=np.zeros(len(weights), dtype=bool),
         ),
-        friction=np.full(count, FRICTION), traction=traction, mean_traction=traction,
+        friction=Friction.uniform(np.full(count, FRICTION), len(weights)),
+        traction=traction, mean_traction=traction,
         gap=1e-3 * np.clip(np.linalg.norm(shape.plane, axis=1) - RADIUS, 0, None)
         * np.ones((count, 1)),
         slip=slip, status=history["status"].astype(np.int8),

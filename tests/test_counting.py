@@ -54,7 +54,7 @@ def test_a_history_without_steps_has_its_first_state() -> None:
 
 
 DRIVER = np.array([[0.0], [1.0], [3.0], [2.0]])
-FRICTION = np.array([0.0, 0.4, 0.4, 0.4])
+FRICTION = np.array([False, True, True, True])
 TOUCHING = np.array([False, True, True, True])
 
 
@@ -71,7 +71,7 @@ def test_a_step_between_unknown_states_is_unknown() -> None:
 
 
 def test_shear_without_friction_is_known_to_be_none() -> None:
-    friction = np.array([0.0, 0.0, 0.4, 0.4])
+    friction = np.array([False, False, True, True])
     histories = add_up(units(4, (0, 1)), DRIVER, friction, TOUCHING, (1, 3))
     np.testing.assert_allclose(histories[0, :, Factor.K_T], [0.0, 0.0, 4.0, 2.0])
     assert np.isnan(histories[0, 0, Factor.K_I])

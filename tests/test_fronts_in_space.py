@@ -24,6 +24,7 @@ from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.step_ends import StepEnds
 from fretfe.evaluate.verdicts import beside_nodes, judge, longest_verdict, withheld
 from fretfe.history.solution import SLIP, STICK, ContactHistory, Solution
+from fretfe.surface.friction import Friction
 from fretfe.verdict import Verdict
 
 Field = Callable[[Array, Array], Array]
@@ -92,7 +93,7 @@ def solved(
             weights=area, frames=np.tile(frame, (count, 1, 1)),
         ),
         traction=traction, mean_traction=traction, status=status, slip=moved,
-        friction=np.full(states, 0.5), gap=np.zeros((states, count)),
+        friction=Friction.uniform(np.full(states, 0.5), count), gap=np.zeros((states, count)),
         dissipation=np.zeros((states, count)),
         full_stick=replace(old.full_stick, area=np.full(states, -1)),
     )  # fmt: skip

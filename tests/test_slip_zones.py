@@ -20,11 +20,13 @@ from fretfe.evaluate.slip import slip_in_steps, slip_zones
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import Friction
 
 H, EDGE, ZONE = 0.05, 1.02, 0.31
 X = np.linspace(-22 * H, 22 * H, 45)
 CLOSED = np.abs(X) < EDGE
 STATES = 4  # unloaded, pressed, two steps of shear
+FRICTION = np.array([0.0, 0.0, 0.5, 0.5])
 
 
 def history(increments: np.ndarray) -> ContactHistory:
@@ -46,7 +48,7 @@ def history(increments: np.ndarray) -> ContactHistory:
             frames=np.zeros((len(X), 2, 2)),
             weights=np.full(len(X), H),
         ),
-        friction=np.array([0.0, 0.0, 0.5, 0.5]),
+        friction=Friction.uniform(FRICTION, len(X)),
         traction=traction,
         mean_traction=traction,
         gap=zero,
@@ -70,7 +72,7 @@ def length(side: Side, increments: np.ndarray) -> float:
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     no_cycle = np.array([], dtype=np.int64)
     border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
-    zones = slip_zones(no_cycle, contact.friction, at_edge, border)
+    zones = slip_zones(no_cycle, FRICTION, at_edge, border)
     assert [(zone.start, zone.end, zone.resolved) for zone in zones] == [(1, 3, True)]
     return zones[0].length
 
@@ -112,7 +114,7 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     at_edge = station(front, k_t)
     border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
+    (zone,) = slip_zones(no_cycle, FRICTION, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
     # No slip is a length, whatever its bar.
@@ -129,18 +131,18 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     exact = station(front, np.array([0.0, 0.0, 0.5, 1.0]) * 3 * H / 4)
     no_cycle = np.array([], dtype=np.int64)
     border = slip_border_of(contact, front, exact.position, np.zeros(STATES), 2)
-    (good,) = slip_zones(no_cycle, contact.friction, exact, border)
+    (good,) = slip_zones(no_cycle, FRICTION, exact, border)
     vague = replace(exact, position_spread=np.full(STATES, 1.6 * H))
-    (bad,) = slip_zones(no_cycle, contact.friction, vague, border)
+    (bad,) = slip_zones(no_cycle, FRICTION, vague, border)
     assert (good.resolved, bad.resolved) == (True, False)
     assert bad.length == good.length == pytest.approx(3 * H, abs=good.spread)
     assert bad.spread == pytest.approx(np.hypot(good.spread, 1.6 * H))
     assert np.isnan(bad.reported_length) and good.reported_length == good.length
     # Its bar then reaches what is predicted.
     longer = replace(vague, k_t=2 * vague.k_t)
-    (worse,) = slip_zones(no_cycle, contact.friction, longer, border)
+    (worse,) = slip_zones(no_cycle, FRICTION, longer, border)
     assert worse.spread == pytest.approx(6 * H - worse.length)
-    (kept,) = slip_zones(no_cycle, contact.friction, replace(exact, k_t=2 * exact.k_t), border)
+    (kept,) = slip_zones(no_cycle, FRICTION, replace(exact, k_t=2 * exact.k_t), border)
     assert kept.spread == good.spread
 
 
@@ -155,7 +157,7 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
+    (zone,) = slip_zones(no_cycle, FRICTION, at_edge, border)
     assert not zone.resolved
     # The bar reaches the innermost node that slips.
     assert zone.length + zone.spread >= depth[behind].max() - 1e-12
@@ -173,7 +175,7 @@ def test_fewer_than_three_sticking_nodes_are_no_stick_zone(sticking: int, resolv
     at_edge = station(front, np.array([0.0, 0.0, 0.5, 1.0]))
     border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
     no_cycle = np.array([], dtype=np.int64)
-    (zone,) = slip_zones(no_cycle, contact.friction, at_edge, border)
+    (zone,) = slip_zones(no_cycle, FRICTION, at_edge, border)
     assert zone.resolved == resolved
 
 

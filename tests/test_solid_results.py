@@ -112,8 +112,9 @@ def test_contacts_are_read_as_they_were_written(result: Result, folder: Path) ->
         for pair in ((mine, other), (mine.surface, other.surface)):
             for field in fields(pair[0]):
                 read, written = (getattr(each, field.name) for each in pair)
-                if field.name not in ("full_stick", "surface") and written is not None:
+                if field.name not in ("full_stick", "surface", "friction") and written is not None:
                     np.testing.assert_array_equal(read, written, err_msg=field.name)
+        assert not mine.friction.differs(other.friction).any()
     facets = loaded.contact_history("quads").surface.facets
     assert facets is not None and facets.shape[1] == 4
 

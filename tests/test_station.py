@@ -92,7 +92,11 @@ def posed(shear: Array, direction: Callable[[Station], float]) -> Result:
         blind = SlipBorder(math.nan, resolved=False, gross=False, spread=math.inf)
         along = replace(known, k_t=turned * LIMIT)
         zones = slip_zones(
-            cycle, contact.friction, along, lambda *_: blind, place=lambda at, s: at + s
+            cycle,
+            contact.friction.at(slice(None), 0),
+            along,
+            lambda *_: blind,
+            place=lambda at, s: at + s,
         )
         return replace(known, slip_zones=zones)
 

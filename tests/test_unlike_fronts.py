@@ -29,6 +29,7 @@ from fretfe.history.solution import (
     Solution,
     StationIntegrals,
 )
+from fretfe.surface.friction import Friction
 
 STATIONS = 12
 
@@ -133,7 +134,8 @@ def test_p_alone_has_the_slip_of_the_last_step_and_no_prediction(beta: float) ->
     by_pressure[..., 0, 0], by_pressure[..., 1, 0] = turned.real, turned.imag
     last = len(solution.times) - 1
     for factors, alone in ((by_pressure, True), (by_pressure + contact.integrals.factors, False)):
-        friction = np.where(np.arange(last + 1) > 0, FRICTION, 0.0)
+        coefficients = np.where(np.arange(last + 1) > 0, FRICTION, 0.0)
+        friction = Friction.uniform(coefficients, len(contact.surface.weights))
         integrals = replace(contact.integrals, factors=factors)
         own = replace(contact, integrals=integrals, friction=friction)
         (front,) = evaluate_fronts(solution, own, (track,))

@@ -283,7 +283,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[Contact, set[str]]:
     )
     units = half_plane_units(np.stack([contact.left, contact.right]))
     histories = add_up(
-        units, loads, problem.friction, contact.right > contact.left, problem.history.cycle
+        units, loads, problem.friction > 0, contact.right > contact.left, problem.history.cycle
     )
     stations, used = [], set()
     for front in PLANE_FRONTS:
@@ -343,6 +343,7 @@ def _station(
         k_range_spread=spread.total,
         k_range_parts=spread,
         k_i_range=cycle_range(history.k_i, cycle),
+        friction=float(problem.friction[history.last]),
         cycles=cycles,
         slip_zones=zones,
         dissipation=_dissipation(problem, cycle, zones, k_n, cycles),

@@ -22,6 +22,7 @@ from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solu
 from fretfe.history.state_array import StateArray, blocks, mapped, part
 from fretfe.history.stream import UNSEEN, Checkpoint, StateStream, Storage, write_checkpoint
 from fretfe.loads import History
+from fretfe.surface.friction import Friction
 
 # Tractions and gaps below this fraction of what the motion of the bodies would cause are round-off.
 ROUND_OFF = 1e-9
@@ -197,8 +198,10 @@ class Recorder:
         turns = [parts_by_turning(each._steps)[steps] for each in (self, other)]
         one, two = (each._steps.divided(steps, shares) for each in (self, other))
         different = turns[0] != turns[1]
-        for name in ("amplitudes", "values", "friction"):
+        for name in ("amplitudes", "values"):
             different |= (getattr(one, name) != getattr(two, name)).any(axis=1)
+        for mine, others in zip(one.friction, two.friction, strict=True):
+            different |= mine.differs(others)
         first = int(steps[different].min(initial=last + 1))
         return int(other.ends[first - 1]) if first else 0
 
@@ -426,8 +429,7 @@ class Recorder:
             drivers=self.drivers.names,
             driver_values=self.drivers.values(forces, table.amplitudes),
             contacts=tuple(
-                self._contact(place, table.friction[:, number])
-                for number, place in enumerate(self.places)
+                self._contact(*each) for each in zip(self.places, table.friction, strict=True)
             ),
             **dict(zip(COUNTS, known["counts"].T, strict=True)),
             certificates=violations | balance,
@@ -437,7 +439,7 @@ class Recorder:
             choice=loads.choice if complete else None,
         )
 
-    def _contact(self, place: Place, friction: Array) -> ContactHistory:
+    def _contact(self, place: Place, friction: Friction) -> ContactHistory:
         interface = self._interface
         nodes = interface.contacts[place.name]
         roots = interface.roots[nodes]

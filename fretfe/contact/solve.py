@@ -112,7 +112,8 @@ def extrapolate_slip(recorder: Recorder, period: int) -> None:
 
 def _load_numbers(steps: StepTable) -> Indices:
     """(T,) numbers of the loads, the same for the same loads."""
-    loads = np.column_stack([steps.amplitudes, steps.values, steps.friction])
+    friction = (each.number for each in steps.friction)
+    loads = np.column_stack([steps.amplitudes, steps.values, *friction])
     scale = np.abs(loads).max(axis=0)
     rounded = np.rint(loads / (SAME_LOAD * np.where(scale > 0, scale, 1.0)))
     return np.unique(rounded, axis=0, return_inverse=True)[1].ravel()

@@ -15,6 +15,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.contact.interface import Interface
 from fretfe.history.solution import OPEN, ROUND_OFF, SLIP, STICK
 from fretfe.loads.history import within_steps
+from fretfe.surface.friction import Friction
 
 Status = npt.NDArray[np.int8]
 
@@ -61,15 +62,13 @@ class StepTable(Sequence[StepLoads]):
     Attributes:
         amplitudes: (T, l) load amplitudes.
         values: (T, m) as of `StepLoads`.
-        friction: (T, C) coefficient in each contact.
-        sizes: (C,) number of nodes of each contact.
+        friction: of each contact.
         within: gives the loads at shares (n,) of steps (n,); None if they are straight lines there.
     """
 
     amplitudes: Array
     values: Array
-    friction: Array
-    sizes: Indices
+    friction: tuple[Friction, ...]
     within: Callable[[Indices, Array], StepTable] | None = field(default=None, compare=False)
 
     def divided(self, steps: Indices, shares: Array) -> StepTable:
@@ -84,7 +83,7 @@ class StepTable(Sequence[StepLoads]):
         amplitudes, values = (
             within_steps(each, None, steps, shares) for each in (self.amplitudes, self.values)
         )
-        return StepTable(amplitudes, values, self.friction[steps], self.sizes)
+        return StepTable(amplitudes, values, tuple(each.picked(steps) for each in self.friction))
 
     def __len__(self) -> int:
         """T."""
@@ -94,7 +93,8 @@ class StepTable(Sequence[StepLoads]):
     def digest(self) -> str:
         """Text that is equal for the same loads."""
         found = hashlib.sha256(repr((self.amplitudes.shape, self.values.shape)).encode())
-        for each in (self.amplitudes, self.values, self.friction):
+        friction = (array for each in self.friction for array in (each.fields, each.number))
+        for each in (self.amplitudes, self.values, *friction):
             found.update(np.ascontiguousarray(each).tobytes())
         return found.hexdigest()
 
@@ -108,8 +108,9 @@ class StepTable(Sequence[StepLoads]):
         """Loads of one step, or of some."""
         parts = self.amplitudes[number], self.values[number]
         if isinstance(number, slice):
-            return StepTable(*parts, self.friction[number], self.sizes, self.within)
-        return StepLoads(*parts, np.repeat(self.friction[number], self.sizes))
+            friction = tuple(each.picked(number) for each in self.friction)
+            return StepTable(*parts, friction, self.within)
+        return StepLoads(*parts, np.concatenate([each.at(number) for each in self.friction]))
 
 
 @dataclass(frozen=True)

@@ -417,6 +417,9 @@ class Station(StationHistory):
     coupling: Annotated[
         float, Quantity("", "f times |beta| of unlike bodies, of which formulas leave out a part")
     ] = 0.0
+    friction: Annotated[
+        float, Quantity("", "coefficient at the edge in the step to the state `last`")
+    ] = math.nan
     cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
     dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (

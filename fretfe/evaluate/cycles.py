@@ -24,6 +24,7 @@ from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import CountedCycles, StationHistory, no_cycles
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray
+from fretfe.surface.friction import Friction
 
 # Changes below this fraction of the range are no reversal.
 TOLERANCE = 1e-6
@@ -286,14 +287,14 @@ def _outer_steps(slip: _Slip, start: int, end: int, way: int) -> Bools:
 
 
 def cycle_changes(
-    solution: Solution, traction: StateArray | NDArray[np.float64], friction: Array
+    solution: Solution, traction: StateArray | NDArray[np.float64], friction: Friction
 ) -> list[float]:
     """Largest changes of the shear over cycles, relative to f p_max of the evaluated one.
 
     Args:
         solution: the solved history.
         traction: (T, N, d) of a contact, the pressure first.
-        friction: (T,) its coefficient.
+        friction: of it.
 
     Returns:
         That of the evaluated cycle, and those of a few cycles before it under the same loads, the
@@ -303,22 +304,23 @@ def cycle_changes(
     if not cycles:
         return [math.nan]
     last = cycles[0][1]
-    pressure, bound = float(traction[last][:, 0].max()), float(friction[last])
-    if bound == 0 or pressure <= 0:
+    pressure = traction[last][:, 0]
+    largest, bound = float(pressure.max()), float((friction.at(last) * pressure).max())
+    if bound <= 0:
         return [math.nan]
     return [
-        cycle_change(traction[end][:, 1:], traction[begin][:, 1:], bound, pressure)
+        cycle_change(traction[end][:, 1:], traction[begin][:, 1:], bound / largest, largest)
         for begin, end in cycles
     ]
 
 
-def _same_cycles(solution: Solution, friction: Array) -> list[tuple[int, int]]:
+def _same_cycles(solution: Solution, friction: Friction) -> list[tuple[int, int]]:
     """First and last state of the evaluated cycle and of the same ones before it, latest first."""
     if solution.cycle is None:
         return []
     # By the ends of steps: how steps are divided may differ from cycle to cycle.
     ends = solution.ends
-    values, friction = solution.values[ends], friction[ends]
+    values, number = solution.values[ends], friction.number[ends]
     first, last = (solution.step_of(state) for state in solution.cycle)
     found = [(first, last)]
     period, scale = last - first, np.abs(values).max(axis=0)
@@ -326,8 +328,8 @@ def _same_cycles(solution: Solution, friction: Array) -> list[tuple[int, int]]:
         end = found[-1][0]
         begin = end - period
         difference = np.abs(values[begin : end + 1] - values[first : last + 1])
-        sliding = friction[begin + 1 : end + 1]
-        if np.any(difference > SAME_LOAD * scale) or np.any(sliding != friction[last]):
+        sliding = number[begin + 1 : end + 1]
+        if np.any(difference > SAME_LOAD * scale) or np.any(sliding != number[last]):
             break
         found.append((begin, end))
     return [(int(ends[begin]), int(ends[end])) for begin, end in found]

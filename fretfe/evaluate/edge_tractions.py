@@ -108,7 +108,7 @@ def half_cycle_ends(
     return tuple(
         HalfCycleEnd(
             time=float(times[state]),
-            friction=float(contact.friction[state]),
+            friction=station.friction * contact.friction.acts[state],
             slip=slips.get(state, math.nan),
             plane=EdgeTractions(plane.s, plane.pressure, plane.shear @ direction),
             nodes=_node_tractions(contact, front, station, state),

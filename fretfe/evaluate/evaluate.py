@@ -171,7 +171,7 @@ def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array
     if solution.step_of(first) < count:
         return np.nan
     begin = ends[solution.step_of(first) - count]
-    before, earlier = work[begin + 1 : first + 1].sum(), contact.friction[begin + 1 : first + 1]
-    if not (before > 0 and np.all(earlier > 0)):
+    before, rough = work[begin + 1 : first + 1].sum(), contact.friction.acts[begin + 1 : first + 1]
+    if not (before > 0 and rough.all()):
         return np.nan
     return float(work[first + 1 : last + 1].sum() / before - 1)

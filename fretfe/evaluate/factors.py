@@ -76,7 +76,7 @@ WITHIN_GRID = 0.02
 def add_up(
     units: Array,
     drivers: Array,
-    friction: Array,
+    friction: Bools,
     touching: Bools,
     cycle: tuple[int, int] | None,
     unlike: bool = False,
@@ -86,7 +86,7 @@ def add_up(
     Args:
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
         drivers: (T, J) values of the drivers.
-        friction: (T,) coefficient in the step that ends at each state.
+        friction: (T,) whether there is any in the step that ends at each state.
         touching: (T,) states in which there is contact.
         cycle: its first and last state, or None.
         unlike: whether the bodies are: K_I and K_T are then one number, and counted together.
@@ -94,7 +94,7 @@ def add_up(
     steps = np.diff(drivers, axis=0)
     increments = _mean_of_ends(units, steps)
     increments[~steps.any(axis=1) | ~(touching[1:] | touching[:-1])] = 0.0
-    increments[friction[1:] == 0, :, 0 if unlike else Factor.K_T :] = 0.0
+    increments[~friction[1:], :, 0 if unlike else Factor.K_T :] = 0.0
     return count_up(increments, cycle).swapaxes(0, 1)
 
 
@@ -165,7 +165,7 @@ def one_sided_share(
 
 
 def uneven_share(
-    units: Array, drivers: Array, friction: Array, cycle: tuple[int, int] | None
+    units: Array, drivers: Array, friction: Bools, cycle: tuple[int, int] | None
 ) -> Array:
     """(stations,) error bar by what the steps of a cycle may be wrong by in |K| as an edge moves.
 
@@ -178,7 +178,7 @@ def uneven_share(
     Args:
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
         drivers: (T, J) values of the drivers.
-        friction: (T,) coefficient in the step that ends at each state.
+        friction: (T,) whether there is any in the step that ends at each state.
         cycle: its first and last state, or None.
     """
     if cycle is None:
@@ -191,7 +191,7 @@ def uneven_share(
     )
     size = shear[1:] + shear[:-1]
     uneven = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
-    steps[friction[states][1:] == 0] = 0.0
+    steps[~friction[states][1:]] = 0.0
     errors = np.einsum("tsj,tj->ts", np.nan_to_num(uneven), np.abs(steps))
     return np.asarray(1.5 * errors.sum(axis=0))
 
@@ -610,6 +610,7 @@ def reference_length(
     contact: ContactHistory,
     fit: EdgeFit,
     factors: Array,
+    friction: Array,
     half_width: float,
     cycle: Indices,
     pressed: bool = False,
@@ -620,34 +621,34 @@ def reference_length(
         contact: the contact.
         fit: K_N of a station, at the length 1.
         factors: (T, d) its singular factors, at the length 1.
+        friction: (T,) coefficient there.
         half_width: of the contact.
         cycle: states of the evaluated cycle; without one the zone is that of first loading.
         pressed: whether P alone drives the edge; the zone is then not predicted.
     """
     length, share = UNKNOWN_ZONE * half_width, 1.0 if len(cycle) else 2.0
     states = cycle if len(cycle) else np.flatnonzero(np.isfinite(factors).all(axis=1))
-    friction = contact.friction.max()
     for _ in range(LENGTH_ITERATIONS):
         if pressed or not len(states):
             break
         shear = factors_at(factors, contact.surface.dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
-        found = share * reach / (friction * fit.told(length)[states[-1]])
+        found = share * reach / (friction.max() * fit.told(length)[states[-1]])
         if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)
     return length
 
 
-def sliding_apart(contact: ContactHistory, direction: Array) -> float:
+def sliding_apart(dundurs: float, friction: float, direction: Array) -> float:
     """|lambda - 1/2| where an edge between unlike bodies slides.
 
     Args:
-        contact: whose edge it is.
+        dundurs: beta.
+        friction: coefficient at the edge.
         direction: (2,) of the slip, as of `main_direction`: its inward part meets the pressure.
     """
-    slope = float(contact.friction.max() * direction[0])
-    return float(abs(sliding_exponent(contact.surface.dundurs, slope) - 0.5))
+    return float(abs(sliding_exponent(dundurs, friction * float(direction[0])) - 0.5))
 
 
 def reversed_share(along: Array, cycle: Indices) -> Array:

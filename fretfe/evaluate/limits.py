@@ -217,11 +217,11 @@ def _crossed(contact: Contact, history: ContactHistory, case: Case) -> Contact:
 
     bodies = case.bodies[history.body1], case.bodies[history.body2]
     cross = cross_compliance(*bodies, case.model.plane, history.surface.mean_normal)
-    relative = CROSSED * cross * history.friction
-    if not relative.any():
+    if not cross:
         return contact
 
     def widened(station: Station) -> Station:
+        relative = CROSSED * cross * history.friction.acts * station.friction
         return replace(station, k_n_spread=np.hypot(station.k_n_spread, relative * station.k_n))
 
     fronts = (

@@ -288,7 +288,7 @@ def _largest(
 def _measures(solution: Solution, contact: Contact) -> tuple[Measure, Measure]:
     """K_N and the range of (K_T, K_S) of stations of solids; zero without friction or cycle."""
     (history,) = (each for each in solution.contacts if each.name == contact.pair)
-    if history.friction.max() > 0 and solution.cycle is not None:
+    if history.friction.largest > 0 and solution.cycle is not None:
         return (lambda each: each.reported_k_n), (lambda each: each.reported_range)
     return (lambda each: each.reported_k_n), (lambda _: 0.0)
 
@@ -298,7 +298,6 @@ def solid_values(contacts: Sequence[Contact], solution: Solution) -> tuple[Stati
 
     Slip zones follow from K_N and the range of (K_T, K_S) by the plane problem of each station.
     """
-    friction = {each.name: float(each.friction.max()) for each in solution.contacts}
     found = []
     for contact in contacts:
         k_n, k_range = _measures(solution, contact)
@@ -312,7 +311,7 @@ def solid_values(contacts: Sequence[Contact], solution: Solution) -> tuple[Stati
                     k_t=k_range(station),
                     slip=(),
                     rise=float(np.fmin(station.depth, station.length)),
-                    friction=friction[contact.pair],
+                    friction=station.friction,
                     number=station.number,
                     k_t_scale=LEAST_RANGE * float(largest),
                 )

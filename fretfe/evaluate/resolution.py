@@ -94,7 +94,7 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
             k_t=_k_t(solution, station),
             slip=tuple(zone.length for zone in _last_zones(station)),
             rise=_rise(history, contact, station),
-            friction=float(history.friction.max()),
+            friction=station.friction,
         )
         for history, contact, station in _stations(solution, contacts)
     )

@@ -179,7 +179,7 @@ class StepEnds:
             integrals = replace(integrals, areas=np.searchsorted(used, integrals.areas))
         return replace(
             contact,
-            friction=contact.friction[ends],
+            friction=contact.friction.picked(ends),
             dissipation=summed(contact.dissipation, ends),
             full_stick=FullStickUnits(
                 picked(units.fields, used),

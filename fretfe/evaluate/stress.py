@@ -163,7 +163,7 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     """
     histories = {each.name: each for each in solution.contacts}
     irregular = [
-        (edge, histories[contact.name].friction)
+        (edge, histories[contact.name].edge_friction(edge.position))
         for contact in contacts
         for edge in contact.stations
         if edge.cycles.irregular

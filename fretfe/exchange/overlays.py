@@ -72,7 +72,7 @@ class Curve:
 
     Attributes:
         time: of the state.
-        friction: coefficient in the step to the state.
+        friction: largest coefficient in the step to the state.
         x: (n,) place along the contact; of solids from the centre of pressure.
         pressure, shear: (n,) means around the nodes, of solids linear between them; their shear is
             that along the line.
@@ -263,7 +263,7 @@ def _curve(result: Result, name: str, state: int, line: Array) -> Curve:
     shear = mean[:, 1:] @ np.pad(line, (0, max(size - len(line), 0)))[:size]
     return Curve(
         time=float(result.loads.times[state]),
-        friction=float(history.friction[state]),
+        friction=float(history.friction.at(state).max()),
         x=history.surface.arc,
         pressure=pressure,
         shear=shear,
@@ -304,7 +304,7 @@ class _Field:
         shear = np.einsum("nt,ntd->nd", mean[:, 1:], contact.surface.frames[:, 1:])
         self.values = np.column_stack([mean[:, 0], shear])
         self.time = float(result.loads.times[state])
-        self.friction = float(contact.friction[state])
+        self.friction = float(contact.friction.at(state).max())
         self.pressed = places[mean[:, 0] > 0]
         self._triangles = Delaunay(places)
 

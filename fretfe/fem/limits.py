@@ -246,7 +246,7 @@ def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
 
     Second, of crystals, that pressure and shear depend on each other without oscillating.
     """
-    if not np.any(history.friction > 0):
+    if history.friction.largest == 0:
         return
     bodies = case.bodies[history.body1], case.bodies[history.body2]
     known = all(isotropic(each) for each in bodies)

@@ -43,6 +43,7 @@ from fretfe.loads import History
 from fretfe.mesh.cost import estimate_cost, refuse_too_large
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 from fretfe.surface.checks import load_mesh
+from fretfe.surface.friction import Friction
 
 LoadMesh = Callable[[], Mesh]
 
@@ -267,34 +268,28 @@ def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:
     return [float(body_unknowns(body, degree)) ** power for body in bodies]
 
 
-def step_loads(
-    case: Case, history: History, interface: Interface, definition: ModelDefinition
-) -> StepTable:
+def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
     """Loads of every step of a history; forces are per unit thickness."""
     values = dict(zip(history.channels, history.values.T, strict=True))
-    count, contacts = len(history.times), [case.contacts[name] for name in interface.contacts]
+    count = len(history.times)
     amplitudes = [
         load.amplitudes(values[load.channel]) / _per_thickness(case, load.kind)
-        for load in definition.loads
+        for load in reduction.definition.loads
     ]
     moved = [
         c.amplitudes(values[c.channel]) / _per_thickness(case, c.control)
         if c.channel
         else np.zeros(count)
-        for c in interface.coordinates
-    ]
-    friction = [
-        np.where(history.times > contact.friction_from, contact.friction, 0.0)
-        for contact in contacts
+        for c in reduction.interface.coordinates
     ]
     return StepTable(
         amplitudes=np.array(amplitudes).reshape(-1, count).T,
         values=np.array(moved).reshape(-1, count).T,
-        friction=np.array(friction).T,
-        sizes=np.array([nodes.stop - nodes.start for nodes in interface.contacts.values()]),
-        within=lambda steps, shares: step_loads(
-            case, history.divided(steps, shares), interface, definition
+        friction=tuple(
+            Friction.of(case.contacts[pair.name], history.times, pair.coupling.surface)
+            for pair in reduction.pairs
         ),
+        within=lambda steps, shares: step_loads(case, history.divided(steps, shares), reduction),
     )
 
 

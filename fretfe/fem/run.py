@@ -388,7 +388,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     reduction, march = prepared.model.reduction, prepared.march
     cycles = AddedCycles(history, most_added(case, history, prepared.model.dimension))
     require_possible(case, reduction.definition, cycles.longest)
-    steps = step_loads(case, cycles.longest, reduction.interface, reduction.definition)
+    steps = step_loads(case, cycles.longest, reduction)
     places = [_place(prepared, pair) for pair in reduction.pairs]
     channels = [load.label for load in reduction.definition.loads]
     identity = {"mesh": prepared.digest, "values at points": reduction.definition.digest}

@@ -31,6 +31,7 @@ from fretfe.idealise.bodies import SIMILAR
 from fretfe.idealise.problem import contact_edges, governing_length
 from fretfe.local.hat_functions import EdgeRange, HatFunctions, graded_grid
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import Friction
 
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
@@ -202,8 +203,7 @@ def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:
     return StepTable(
         amplitudes=problem.bulk_tension[:, None],
         values=np.column_stack([problem.shear_force, -problem.normal_force, -problem.moment]),
-        friction=problem.friction[:, None],
-        sizes=np.array([interface.size]),
+        friction=(Friction.uniform(problem.friction, interface.size),),
         within=lambda steps, shares: _step_loads(problem.divided(steps, shares), interface),
     )
 

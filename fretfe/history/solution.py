@@ -19,6 +19,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.loads import CycleChoice, History
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import Friction
 
 OPEN, STICK, SLIP = 0, 1, 2
 # Forces below this fraction of the largest one in the history are not compared with themselves:
@@ -130,7 +131,7 @@ class ContactHistory:
         pair: name of the surface pair, the contact in the case.
         body1, body2: names of the bodies.
         surface: its nodes.
-        friction: (T,) coefficient in the step that ends at each state.
+        friction: at its nodes, in the step that ends at each state.
         traction: (T, N, d) pressure, then shear that body 1 exerts on body 2: nodal values of the
             piecewise-linear multiplier field.
         mean_traction: (T, N, d) mean of that field around each node: the nodal force over the
@@ -154,7 +155,7 @@ class ContactHistory:
     body1: str
     body2: str
     surface: ContactSurface
-    friction: Array
+    friction: Friction
     traction: StateArray | Array
     mean_traction: StateArray | Array
     gap: StateArray | Array
@@ -166,6 +167,16 @@ class ContactHistory:
     nearby_loads: NearbyLoads | None = None
     node_range: Indices | None = None
     events: tuple[str, ...] = ()
+
+    def edge_friction(self, edge: Array) -> Array:
+        """(T,) coefficient at an edge, that of the node nearest to it in each state.
+
+        All that is found at an edge has this one: formulas and slip zones of its half cycles.
+
+        Args:
+            edge: (T,) its place along the arc; of solids (T, 3).
+        """
+        return self.friction.at_edge(self.surface.nodes_at(edge))
 
     @property
     def exists(self) -> Bools:

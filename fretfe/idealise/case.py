@@ -33,6 +33,7 @@ from fretfe.idealise.bodies import (
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
 from fretfe.mesh.templates import check_parameters, find_template
+from fretfe.surface.friction import coefficients
 
 TOP, BOTTOM = "upper_top", "lower_bottom"
 # Direction of the outward normal of the sides of the lower body, along x.
@@ -276,7 +277,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         body2=LOWER,
         profile=block.profile,
         history=history,
-        friction=np.where(history.times > contact.friction_from, contact.friction, 0.0),
+        friction=coefficients(contact, history.times),
         normal_force=loading.normal_force,
         shear_force=loading.shear_force,
         moment=loading.moment,

@@ -78,16 +78,16 @@ class Bound:
     """Friction bounds of S edges.
 
     Attributes:
-        friction: coefficient.
+        friction: (S,) coefficient.
         lost: (S,) edges that are given up: nothing slips, and nothing is told of them.
     """
 
-    friction: float
+    friction: Array
     lost: Bools
 
     def of(self, pressure: Array) -> Array:
         """(S, n) from pressures (S, n)."""
-        return np.where(self.lost[:, None], UNBOUNDED, self.friction * pressure)
+        return np.where(self.lost[:, None], UNBOUNDED, self.friction[:, None] * pressure)
 
 
 @dataclass(frozen=True)

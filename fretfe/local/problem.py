@@ -80,7 +80,7 @@ class EdgeHistories:
         zone: (S,) length of the smallest slip zone that is to be resolved.
         halves: (S,) half cycles of each edge, as their first and last states in time order.
         counted: (S, T) whether slip in the step to each state counts for the half cycles.
-        friction: coefficient.
+        friction: (S,) coefficient.
         modulus: (S,) E* by the compliance of the bodies to pressure.
         tangential: (S, 2, 2) their compliance to shear inward and along the edge over that.
         cycle: first and last state of the cycle that repeats itself, or None.
@@ -94,7 +94,7 @@ class EdgeHistories:
     zone: Array
     halves: tuple[tuple[tuple[int, int], ...], ...]
     counted: Bools
-    friction: float
+    friction: Array
     modulus: Array
     tangential: Array
     cycle: tuple[int, int] | None
@@ -109,11 +109,11 @@ class EdgeHistories:
         """
         if not self.dundurs:
             return np.zeros(len(self.k))
-        low = float(sliding_exponent(abs(self.dundurs), self.friction))
+        low = sliding_exponent(abs(self.dundurs), self.friction)
         contacts = self.contacts
         sliding = self.friction * contacts.k_n * contacts.half_width / (2 * contacts.power)
         share = np.nanmax(np.abs(self.k[..., 0]), axis=1) / sliding
-        return np.asarray((math.sqrt((1 - low) / low) - 1) * np.minimum(1.0, FARTHER * share))
+        return np.asarray((np.sqrt((1 - low) / low) - 1) * np.minimum(1.0, FARTHER * share))
 
     @cached_property
     def outermost(self) -> Array:
@@ -134,6 +134,7 @@ class EdgeHistories:
             zone=self.zone[edges],
             halves=tuple(self.halves[edge] for edge in edges),
             counted=self.counted[edges],
+            friction=self.friction[edges],
             modulus=self.modulus[edges],
             tangential=self.tangential[edges],
         )
@@ -387,7 +388,8 @@ class _March:
         width = self._widths(state, end)
         level = self._given.contacts.level(width) / given.modulus
         pressure = bodies.pressure(self._shapes, width / self._outermost) * level[:, None]
-        tolerance = TOLERANCE * given.friction * float(pressure[~self._lost].max())
+        bounds = given.friction * pressure.max(axis=1)
+        tolerance = TOLERANCE * float(bounds[~self._lost].max())
         if isinstance(bodies, WholeHalfPlanes):
             contacts = UnlikeContacts.of(
                 bodies,

@@ -130,7 +130,6 @@ def read_target(result: Result, edge: str) -> Target:
     zones = station.slip_zones[-2:]
     lengths = [zone.reported_length for zone in zones] + [math.nan] * (2 - len(zones))
     spreads = [float(zone.spread) for zone in zones] + [math.nan] * (2 - len(zones))
-    friction = result.case.contacts[contact.pair].friction
     in_step = _in_step(station, begin, end)
     half_width = station.depth if contact.solid else float(contact.half_width[end])
     return Target(
@@ -142,7 +141,7 @@ def read_target(result: Result, edge: str) -> Target:
         k_t_range_spread=spread,
         k_i_range=k_i_range,
         in_step=in_step,
-        friction=friction,
+        friction=station.friction,
         slip=(lengths[0], lengths[1]),
         slip_spread=(spreads[0], spreads[1]),
         half_width=half_width,
@@ -153,7 +152,7 @@ def read_target(result: Result, edge: str) -> Target:
             *about(
                 contact.name,
                 station.front,
-                _warnings(contact, station, in_step, k_i_range * friction / k_t_range),
+                _warnings(contact, station, in_step, k_i_range * station.friction / k_t_range),
             ),
         ),
         k_angle=station.k_angle,
@@ -269,6 +268,6 @@ def _profile(
         s=s,
         pressure=p,
         shear_change=q_high - q_low,
-        limit=float(history.friction[end]) * (p_high + p_low),
+        limit=station.friction * (p_high + p_low),
         peak=float(s[int(np.argmax(p))]),
     )

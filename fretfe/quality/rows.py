@@ -380,8 +380,9 @@ def _traction_rows(at: Place, result: Result, contact: Contact, station: Station
         pressure, shear = history.traction[zone.end][:, 0], history.traction[zone.end][:, 1:]
         if contact.steady:
             shear = (shear - history.traction[zone.start][:, 1:]) / 2
-        friction = float(history.friction[zone.end])
-        analysis = analyse_tractions(history.surface.arc, pressure, shear @ line, friction=friction)
+        analysis = analyse_tractions(
+            history.surface.arc, pressure, shear @ line, friction=station.friction
+        )
         found = analysis.edges[front.number].slip_from_traction
         if not found.known:
             yield at.missing(label, found.remark)

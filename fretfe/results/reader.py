@@ -34,6 +34,7 @@ from fretfe.results.run_folder import are_unchanged, require_stored, unfinished
 from fretfe.results.tables import NODAL
 from fretfe.results.writer import ARRAYS, ELSEWHERE, NUMBERS, SCHEMA
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import Friction
 
 T = TypeVar("T")
 
@@ -370,7 +371,7 @@ def _read_contact(
         body1=body1,
         body2=body2,
         surface=surface,
-        friction=group["friction"][:],
+        friction=Friction.uniform(group["friction"][:], len(surface.weights)),
         **nodal,
         full_stick=full_stick,
         node_range=node_range,

@@ -357,7 +357,7 @@ def kept_states(result: Result, solution: Solution) -> Indices:
     wanted = result.case.output.tractions or ("all" if count <= LONG else "cycle")
     if wanted == "all":
         return np.arange(count)
-    starts = {max(int(np.argmax(each.friction > 0)) - 1, 0) for each in solution.contacts}
+    starts = {max(int(np.argmax(each.friction.acts)) - 1, 0) for each in solution.contacts}
     states = _extremes(result.contacts, solution.cycle) | starts | {0, count - 1}
     if wanted == "cycle":
         states |= set(cycle_states(solution.cycle).tolist())
@@ -387,6 +387,7 @@ def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) 
     group.attrs.update({**names, "dundurs": contact.surface.dundurs})
     for name in NODAL:
         _write_rows(group, name, getattr(contact, name), states)
+    store(group, "friction", contact.friction.at(slice(None), 0))
     for owner in (contact, contact.surface):
         for field in fields(owner):
             value = getattr(owner, field.name)

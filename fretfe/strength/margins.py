@@ -119,7 +119,7 @@ def _edge(
     if not contact.steady:
         remarks.append("the cycle is not steady")
     pair = contact.pair
-    friction = result.case.contacts[pair].friction
+    friction = edge.friction
     k_n, k_t_range = edge.reported_k_n, edge.reported_range
     if edge.oscillation:
         remarks.append(

@@ -39,6 +39,27 @@ class ContactSurface:
     continued: Array | None = None
     dundurs: float = 0.0
 
+    def nodes_at(self, edge: Array) -> Indices:
+        """(T,) node nearest to an edge in each state.
+
+        Where its place is not known, that of the next state in which it is, or of the last one.
+
+        Args:
+            edge: (T,) its place along the arc; of solids (T, 3).
+        """
+        known = np.flatnonzero(np.isfinite(edge.reshape(len(edge), -1)).all(axis=1))
+        if not len(known):
+            return np.zeros(len(edge), dtype=np.int64)
+        if self.facets is None:
+            found = np.searchsorted((self.arc[1:] + self.arc[:-1]) / 2, edge[known])
+        else:
+            # Imported where it is needed: reports of plane contacts do without SciPy.
+            from scipy.spatial import cKDTree
+
+            found = cKDTree(self.points).query(edge[known])[1]
+        following = np.searchsorted(known, np.arange(len(edge)))
+        return np.asarray(found[np.minimum(following, len(known) - 1)])
+
     @property
     def mean_normal(self) -> Array:
         """(d,) mean unit normal of body 2 over the surface, with as many components as points."""

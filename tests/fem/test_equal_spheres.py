@@ -108,9 +108,7 @@ def problem() -> tuple[Interface, Sequence[StepLoads]]:
     prepared = build_model(MPI.COMM_WORLD, case(), Clock(), load=lambda: mesh)
     history = load_history(MPI.COMM_WORLD, case(), DEFAULTS)
     reduction = prepared.model.reduction
-    return reduction.interface, step_loads(
-        case(), history, reduction.interface, reduction.definition
-    )
+    return reduction.interface, step_loads(case(), history, reduction)
 
 
 def tractions(interface: Interface, steps: Sequence[StepLoads]) -> Array:

@@ -99,7 +99,7 @@ def test_every_jump_is_found(data: Data, draw: Draw) -> None:
     reduction = build_model(MPI.COMM_WORLD, case, Clock()).model.reduction
     interface = reduction.interface
     history = load_history(MPI.COMM_WORLD, case, DEFAULTS)
-    unloaded, loaded = step_loads(case, history, interface, reduction.definition)
+    unloaded, loaded = step_loads(case, history, reduction)
     labels = [each.label for each in interface.coordinates]
     random = np.random.default_rng(5)
 

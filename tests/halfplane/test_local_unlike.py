@@ -43,7 +43,7 @@ def edges(
         zone=np.full(count, 0.05),
         halves=(halves,) * count,
         counted=np.ones_like(k, dtype=bool),
-        friction=friction,
+        friction=np.full(count, friction),
         modulus=HERTZ.e_star * np.ones(count),
         tangential=np.tile(np.diag([1.0, antiplane]), (count, 1, 1)),
         cycle=(last - cycle, last),

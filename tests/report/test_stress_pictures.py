@@ -35,6 +35,7 @@ from fretfe.report.pictures.looks import (
 from fretfe.report.pictures.mesh import shares_text, visible_status
 from fretfe.report.pictures.panels import View
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import Friction
 
 needs_pyvista = pytest.mark.skipif(
     importlib.util.find_spec("pyvista") is None, reason="PyVista is not installed"
@@ -114,7 +115,7 @@ def contact(gap: list[list[float]], weights: Array | None = None, **changes: Any
         body1="upper",
         body2="lower",
         surface=surface,
-        friction=np.zeros(len(gap)),
+        friction=Friction.uniform(np.zeros(len(gap)), count),
         traction=zeros,
         mean_traction=zeros,
         dissipation=np.zeros(len(gap)),

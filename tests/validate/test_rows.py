@@ -71,7 +71,7 @@ def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> No
 
     def slid(share: float) -> SlipZone:
         traction = history.mean_traction[:].copy()
-        traction[..., 1] = share * history.friction.max() * traction[..., 0]
+        traction[..., 1] = share * history.friction.largest * traction[..., 0]
         sheared, front = replace(history, mean_traction=traction), PLANE_FRONTS[0]
         return with_shear(sheared, front, station.position, contact.centre, zone, 0.0)
 

@@ -6,7 +6,7 @@ A patch that exists in some of the states only has a history in each interval of
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any
@@ -99,6 +99,7 @@ def evaluate_plane(
     positions = np.array([fit.position for fit in fits])
     centre, half_width = positions.mean(axis=0), (positions[1] - positions[0]) / 2
     histories = _factor_histories(solution, contact, positions, find_units)
+    frictions = [contact.edge_friction(each) for each in positions]
     path = load_path(solution.values, solution.between, solution.cycle)
     # As if the bodies were similar, at the length where shear adds nothing to K_I.
     whole = histories.ways.mean(axis=0)
@@ -108,14 +109,15 @@ def evaluate_plane(
         whole = factors_at(whole, contact.surface.dundurs, 2 * a / K_T_LENGTH)
         whole[..., : Factor.K_S] /= np.cosh(np.pi * oscillation(contact.surface.dundurs))
     pressed = tuple(
-        pressed_on(each, contact.surface.dundurs, 2 * a, contact.friction, cycle) for each in own
+        pressed_on(each, contact.surface.dundurs, 2 * a, friction, cycle)
+        for each, friction in zip(own, frictions, strict=True)
     )
-    edges = _Edges(solution, contact, centre, fits, histories, path, pressed)
+    edges = _Edges(solution, contact, centre, fits, histories, path, pressed, frictions)
     if contact.surface.dundurs:
         zones = np.array(
             [
-                reference_length(contact, fit, factors, a, cycle, alone)
-                for fit, factors, alone in zip(fits, own, pressed, strict=True)
+                reference_length(contact, fit, factors, friction, a, cycle, alone)
+                for fit, factors, friction, alone in zip(fits, own, frictions, pressed, strict=True)
             ]
         )
         stations = edges.at(zones, zones).stations()
@@ -203,7 +205,7 @@ def full_stick_shear_force(solution: Solution, contact: ContactHistory) -> Array
     pairs = known[1:].astype(float) + known[:-1]
     mean = (units[1:] + units[:-1]) / np.maximum(pairs, 1.0)[:, None]
     steps = np.einsum("tj,tj->t", mean, np.diff(solution.driver_values, axis=0))
-    return count_up(steps * (contact.friction[1:] > 0), solution.cycle)
+    return count_up(steps * contact.friction.acts[1:], solution.cycle)
 
 
 def _steps(k_t: Array, half_width: Array) -> tuple[Array, Array]:
@@ -270,7 +272,7 @@ def _factor_histories(
 
     def history(each: Array) -> Array:
         def count(interval: slice, cycle: tuple[int, int] | None) -> Array:
-            drivers, friction = solution.driver_values[interval], contact.friction[interval]
+            drivers, friction = solution.driver_values[interval], contact.friction.acts[interval]
             found = add_up(
                 each[interval],
                 drivers,
@@ -291,7 +293,7 @@ def _factor_histories(
         # What steps may be wrong by is the same in all ways, to a part of itself.
         shares = shares or (
             one_sided_share(each, filled, drivers, cycle),
-            uneven_share(each, drivers, contact.friction, cycle),
+            uneven_share(each, drivers, contact.friction.acts, cycle),
         )
     assert shares is not None
     return FactorHistories(
@@ -315,6 +317,7 @@ class _Edges:
         histories: of the singular factors of both edges.
         path: loads of the cycle between its steps, unless they are straight lines.
         pressed: (2,) whether P alone drives each edge.
+        frictions: (2, T) coefficient at each edge.
         lengths: (2,) reference lengths of both edges between unlike bodies, else NaN.
     """
 
@@ -325,6 +328,7 @@ class _Edges:
     histories: FactorHistories
     path: LoadPath | None
     pressed: tuple[bool, ...]
+    frictions: Sequence[Array]
     lengths: tuple[float, ...] = (np.nan,) * len(PLANE_FRONTS)
 
     def at(self, lengths: Array, zones: Array) -> _Edges:
@@ -336,7 +340,8 @@ class _Edges:
             fit = self.fits[number]
             size = _element_size(self.contact.surface.arc, last_known(fit.position, cycle))
             share = reversed_share(along_line(factors[number], direction), cycle)
-            sliding = sliding_apart(self.contact, direction)
+            friction = self.frictions[number].max()
+            sliding = sliding_apart(self.contact.surface.dundurs, friction, direction)
             fits.append(fit.at(lengths[number], share * zones[number] / size, sliding))
         return replace(self, fits=tuple(fits), histories=histories, lengths=tuple(lengths.tolist()))
 
@@ -382,7 +387,8 @@ class _Edges:
         history = in_cycle(cycle, history)
         along = replace(history, k_t=np.column_stack([history.k_t, history.k_s]) @ direction)
         evaluated = in_evaluated_interval(contact, self.solution.cycle, along)
-        cycles = count_cycles(cycle, contact.friction, evaluated, self.solution.loads.returns)
+        friction = self.frictions[front.number]
+        cycles = count_cycles(cycle, friction, evaluated, self.solution.loads.returns)
         point, frame = _place(contact, front, fit.position)
         angle = float(np.degrees(np.arctan2(direction[1], direction[0])))
         here = nearest_front(contact.surface.arc, last_known(self.centre, cycle)) == front.number
@@ -411,7 +417,8 @@ class _Edges:
             reference_length=self.lengths[front.number],
             exponent=float(exponents[history.last]),
             oscillation=oscillation(contact.surface.dundurs),
-            coupling=abs(contact.surface.dundurs) * float(contact.friction.max()),
+            coupling=abs(contact.surface.dundurs) * float(friction.max()),
+            friction=float(friction[history.last]),
             cycles=cycles,
             slip_zones=self._zones(front, evaluated, angle, cycles),
             dissipation=float(work[here].sum()),
@@ -427,7 +434,8 @@ class _Edges:
         cycles: CountedCycles,
     ) -> tuple[SlipZone, ...]:
         contact, cycle = self.contact, cycle_states(self.solution.cycle)
-        worst = worst_cycle(cycles, cycle, contact.friction, evaluated)
+        friction = self.frictions[front.number]
+        worst = worst_cycle(cycles, cycle, friction, evaluated)
         outer = worst.outer if worst else np.ones(len(self.solution.times), dtype=bool)
         degree = 2 if self.histories.exact else self.solution.degree
         position = evaluated.position
@@ -436,14 +444,14 @@ class _Edges:
             # Between unlike bodies shear moves K_I and pressure K_T: what the growth leaves out.
             if contact.surface.dundurs:
                 return None
-            return zone_growth(evaluated, contact.friction, start, end, outer)
+            return zone_growth(evaluated, friction, start, end, outer)
 
         least = np.where(outer, self.solution.least_slip, np.inf)
         border = slip_border_of(contact, front, position, least, degree, growth)
         pressed = self.pressed[front.number]
         zones = slip_zones(
             cycle,
-            contact.friction,
+            friction,
             evaluated,
             border,
             self.path,
@@ -518,7 +526,7 @@ def with_shear(
         middle = front.inward * (centre[state] - position[state])
         behind = (s > begin) & (s < middle) & (traction[:, 0] > 0)
         weights = contact.surface.weights[behind]
-        bound = float(contact.friction[zone.end] * (weights @ traction[behind, 0]))
+        bound = float((contact.friction.at(zone.end, behind) * weights) @ traction[behind, 0])
         shear = traction[behind, 1:] @ front.axis(angle, traction.shape[1] - 1)
         return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
 

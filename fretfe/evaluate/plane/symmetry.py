@@ -101,6 +101,7 @@ def _mirrored(contact: ContactHistory, front: PlaneFront, normal: Array) -> Cont
             weights=surface.weights[nodes] * np.where(shape.middle, 2.0, 1.0),
             continued=None,
         ),
+        friction=contact.friction.of_nodes(nodes),
         traction=shape.vectors(contact.traction, first=1),
         mean_traction=shape.vectors(contact.mean_traction, first=1),
         slip=shape.vectors(contact.slip, first=0),

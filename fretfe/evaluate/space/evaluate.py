@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -221,11 +221,19 @@ def _pressed(
     front, cycle = track.front, cycle_states(solution.cycle)
     bent = np.clip(front.frames.curvature * front.depth, 0.0, 1.0)
     lengths = 2 * front.depth * WITHIN_CIRCLE**-bent
-    stations = zip(histories.ways.mean(axis=0), lengths.tolist(), strict=True)
+    frictions = _frictions(contact, track)
+    stations = zip(histories.ways.mean(axis=0), lengths.tolist(), frictions, strict=True)
     return tuple(
-        pressed_on(factors, contact.surface.dundurs, length, contact.friction, cycle)
-        for factors, length in stations
+        pressed_on(factors, contact.surface.dundurs, length, friction, cycle)
+        for factors, length, friction in stations
     )
+
+
+def _frictions(contact: ContactHistory, track: FrontTrack) -> list[Array]:
+    """(n, T) coefficient at each station of a front."""
+    frames = track.front.frames
+    places = frames.points + track.fit.place[..., None] * frames.inward
+    return [contact.edge_friction(each) for each in places.swapaxes(0, 1)]
 
 
 def _factor_histories(
@@ -239,7 +247,7 @@ def _factor_histories(
         nothing = np.full((1, count, states, 3), np.nan)
         return FactorHistories(nothing, None, exact=False, one_sided=unknown, uneven=unknown)
     touching = contact.pressed_nodes > 0
-    drivers, friction, cycle = solution.driver_values, contact.friction, solution.cycle
+    drivers, friction, cycle = solution.driver_values, contact.friction.acts, solution.cycle
     ways = []
     one_sided, uneven = np.zeros(count), np.zeros(count)
     for way in range(len(integrals.reaches)):
@@ -324,6 +332,11 @@ class _Front:
     pressed: tuple[bool, ...]
     lengths: Array | None = None
 
+    @cached_property
+    def frictions(self) -> list[Array]:
+        """(n, T) coefficient at each station."""
+        return _frictions(self.contact, self.track)
+
     def stations_told(self, told: float | None) -> tuple[Station, ...]:
         """The stations, of unlike bodies at the lengths of their predicted slip zones or another.
 
@@ -348,11 +361,20 @@ class _Front:
     def _reference_lengths(self) -> Array:
         """(n,) lengths of the slip zones that the stations predict."""
         mean, cycle = self.factors.ways.mean(axis=0), cycle_states(self.solution.cycle)
-        stations = zip(mean, self.track.front.depth.tolist(), self.pressed, strict=True)
+        depths = self.track.front.depth.tolist()
+        stations = zip(mean, self.frictions, depths, self.pressed, strict=True)
         return np.array(
             [
-                reference_length(self.contact, self.track.fit.of(number), *each[:2], cycle, each[2])
-                for number, each in enumerate(stations)
+                reference_length(
+                    self.contact,
+                    self.track.fit.of(number),
+                    factors,
+                    friction,
+                    depth,
+                    cycle,
+                    pressed,
+                )
+                for number, (factors, friction, depth, pressed) in enumerate(stations)
             ]
         )
 
@@ -363,7 +385,8 @@ class _Front:
         directions = [direction for direction, _ in factors.directions(cycle)]
         along = map(along_line, factors.ways.mean(axis=0), directions)
         shares = np.column_stack([reversed_share(each, cycle) for each in along])
-        sliding = np.array([sliding_apart(self.contact, each) for each in directions])
+        beta, each = self.contact.surface.dundurs, zip(self.frictions, directions, strict=True)
+        sliding = np.array([sliding_apart(beta, f.max(), direction) for f, direction in each])
         fit = self.track.fit.at(lengths, shares * zones / self.track.front.sizes, sliding)
         return replace(
             self,
@@ -393,7 +416,8 @@ class _Front:
         direction, turning = main_direction(vectors, cycle)
         along = replace(history, k_t=vectors @ direction)
         spread = range_spread(self.factors, front, fit, number, direction, cycle, self.path)
-        cycles = count_cycles(cycle, self.contact.friction, along, self.solution.loads.returns)
+        friction = self.frictions[number]
+        cycles = count_cycles(cycle, friction, along, self.solution.loads.returns)
         length = float(last_known(fit.length[:, number], cycle))
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         # Shear along the front knows nothing of beta.
@@ -424,7 +448,8 @@ class _Front:
             reference_length=np.nan if self.lengths is None else float(self.lengths[number]),
             exponent=float(fit.exponent[history.last, number]),
             oscillation=oscillation(self.contact.surface.dundurs),
-            coupling=coupled * float(self.contact.friction.max()),
+            coupling=coupled * float(friction.max()),
+            friction=float(friction[history.last]),
             cycles=cycles,
             stiffening=_stiffening(frames, number, length, depth),
             slip_zones=tuple(
@@ -454,7 +479,7 @@ class _Front:
         self, number: int, along: StationHistory, cycles: CountedCycles
     ) -> tuple[SlipZone, ...]:
         """Slip zones, predicted with K along the direction in which it varies most."""
-        front, friction = self.track.front, self.contact.friction
+        front, friction = self.track.front, self.frictions[number]
         cycle = cycle_states(self.solution.cycle)
         worst = worst_cycle(cycles, cycle, friction, along)
         outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
@@ -483,7 +508,7 @@ class _Front:
         """A slip zone with the share of f p that acts across a line (2,) and along it."""
         front, frames = self.track.front, self.track.front.frames
         predicted, depth = float(np.nan_to_num(zone.prediction)), float(front.depth[number])
-        friction = float(self.contact.friction[zone.end])
+        friction = float(self.frictions[number][zone.end])
 
         def share(state: int, axis: Array, begin: float) -> float:
             reach = along.position[state] + np.array([begin, depth])

@@ -143,7 +143,7 @@ def _unlike_fit(
         rows: of the stations.
         traction: (T, N, 3) means around the nodes.
     """
-    pressure, limit = traction[..., 0], contact.friction.max()
+    pressure, limit = traction[..., 0], contact.friction.largest
     ratios = np.clip([each.ratio(traction) for each in rows], -limit, limit)
     exponents = sliding_exponent(contact.surface.dundurs, ratios)
     fit = fitter.fit(pressure, exponents.T)

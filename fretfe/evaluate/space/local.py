@@ -195,13 +195,13 @@ class _Path:
     Attributes:
         kept: (n,) states to go through.
         source: (T,) the state that each state is the same as.
-        contact_friction: (T,) coefficient in the step to each state.
+        contact: the contact.
         cycle: first and last state of the evaluated cycle, or None.
     """
 
     kept: Indices
     source: Indices
-    contact_friction: Array
+    contact: ContactHistory
     cycle: tuple[int, int] | None
 
     @classmethod
@@ -212,17 +212,12 @@ class _Path:
         left_out[cycles_before(solution)] = True
         left_out[first:] = False
         kept = np.flatnonzero(~left_out[: last + 1])
-        return cls(kept, solution.source, contact.friction, solution.cycle)
-
-    @cached_property
-    def friction(self) -> float:
-        """Coefficient at the end."""
-        return float(self.contact_friction[self.kept[-1]])
+        return cls(kept, solution.source, contact, solution.cycle)
 
     @cached_property
     def first(self) -> int:
         """Place among the kept states from which on there is friction."""
-        return max(int(np.argmax(self.contact_friction[self.kept] > 0)) - 1, 0)
+        return max(int(np.argmax(self.contact.friction.acts[self.kept])) - 1, 0)
 
     @property
     def begin(self) -> int:
@@ -275,7 +270,7 @@ def _histories(edges: Collection[_Edge], path: _Path, dundurs: float) -> EdgeHis
         zone=np.array([each.smallest for each in edges]),
         halves=tuple(each.halves for each in edges),
         counted=np.array([each.counted for each in edges]),
-        friction=path.friction,
+        friction=np.array([each.station.friction for each in edges]),
         modulus=np.array([each.bodies.modulus for each in edges]),
         tangential=np.array([each.bodies.tangential for each in edges]),
         cycle=(path.begin, len(path.kept) - 1) if path.cycle else None,
@@ -364,7 +359,6 @@ class _Edge:
         counted: (n,) whether slip in the step to each of them counts.
         spans: the half cycles of its slip zones by places of these states; None for those that are
             not followed.
-        friction: coefficient.
     """
 
     station: Station
@@ -374,7 +368,6 @@ class _Edge:
     k_i: Array
     counted: Bools
     spans: tuple[tuple[int, int] | None, ...]
-    friction: float
 
     @property
     def direction(self) -> Array:
@@ -390,7 +383,9 @@ class _Edge:
     @property
     def smallest(self) -> float:
         """Length of the smallest slip zone that is expected."""
-        expected = float(np.ptp(self.k @ self.direction)) / (self.friction * self.shape.k_n)
+        expected = float(np.ptp(self.k @ self.direction)) / (
+            self.station.friction * self.shape.k_n
+        )
         lengths = (zone.prediction for zone in self.station.slip_zones)
         return min((each for each in lengths if each > 0), default=expected)
 
@@ -427,7 +422,7 @@ class _Edge:
         range_bar = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
         first_order = zone.predicted if math.isfinite(zone.predicted) else length
         open_part = self.shape.bar(length, first_order, range_bar)
-        unlike = UNLIKE * self.friction * self.bodies.coupling * length
+        unlike = UNLIKE * self.station.friction * self.bodies.coupling * length
         spread = math.hypot(border.spread, zone.missed, open_part, unlike)
         return replace(zone, local=length, local_spread=spread)
 
@@ -479,7 +474,7 @@ def _pose(
         late: begin with the cycle, K_T and K_S counted from the middle of their ranges in it; else
             as early as the factors are known.
     """
-    if reason := _unposed(station, path.friction):
+    if reason := _unposed(station):
         return reason
     kept, shape = path.kept, _Shape.of(front, station, twist)
     small = kept[path.begin :][~np.isfinite(station.k_n[kept[path.begin :]])]
@@ -503,7 +498,9 @@ def _pose(
     if not any(spans):
         return "no half cycle can be followed"
     along = replace(station, k_t=station.k_along)
-    worst = worst_cycle(station.cycles, cycle_states(path.cycle), path.contact_friction, along)
+    places = station.point + station.position[:, None] * station.frame.inward
+    friction = path.contact.edge_friction(places)
+    worst = worst_cycle(station.cycles, cycle_states(path.cycle), friction, along)
     states = np.arange(len(kept))
     return _Edge(
         station=station,
@@ -513,7 +510,6 @@ def _pose(
         k_i=np.where(states < first, k_i[first], k_i),
         counted=(states > first) & (worst.outer[kept] if worst else True),
         spans=spans,
-        friction=path.friction,
     )
 
 
@@ -608,11 +604,11 @@ def _mean(values: Array) -> np.polynomial.Polynomial:
     return np.polynomial.Polynomial([float(values.mean())])
 
 
-def _unposed(station: Station, friction: float) -> str:
+def _unposed(station: Station) -> str:
     """Reason why a station has no plane problem; empty if it may have one."""
     if station.end:
         return "within a local length of a free end, where the fields are not those of an edge"
-    if not friction > 0:
+    if not station.friction > 0:
         return "there is no friction"
     if not math.isfinite(station.reported_k_n):
         return "K_N is not known, or has an error bar of more than half of it"

@@ -158,7 +158,7 @@ def edge_plot(shown: Shown, edge: Station) -> Plot | None:
 def _near(shown: Shown, edge: Station) -> _Near | None:
     cycle = shown.run.loads.cycle
     if cycle is None:
-        friction = np.flatnonzero(shown.tractions.friction > 0)
+        friction = np.flatnonzero(shown.tractions.friction.acts)
         states = [int(friction[0]) - 1, len(edge.k_along) - 1] if len(friction) else []
     else:
         states = station_extremes([edge], cycle)
@@ -217,7 +217,7 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     tractions = shown.tractions
     before, after = (tractions.mean_traction[state, inside] for state in (near.earlier, near.later))
     change = (after[:, 1:] - before[:, 1:]) @ near.line
-    friction = tractions.friction[near.later]
+    friction = tractions.friction.at(near.later, inside)
     cyclic = shown.run.loads.cycle is not None
     bound = friction * (after[:, 0] + before[:, 0] * cyclic)
     s = s[inside]
@@ -255,7 +255,7 @@ def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None
     drive: dict[int, Array] = {}
     for state in range(near.earlier + 1, near.later + 1):
         areas = [int(area) for area in full_stick.area[state - 1 : state + 1] if area >= 0]
-        if areas and shown.tractions.friction[state] > 0:
+        if areas and shown.tractions.friction.acts[state]:
             step = solution.driver_values[state] - solution.driver_values[state - 1]
             for area in areas:
                 drive[area] = drive.get(area, np.zeros_like(step)) + step / len(areas)

@@ -152,7 +152,7 @@ def _draw_contact(
         shown = _around_contact(history, state)
         x = history.surface.arc[shown]
         pressure, shear, *along_z = history.mean_traction[state, shown].T
-        bound = history.friction[state] * pressure
+        bound = history.friction.at(state, shown) * pressure
         panel.plot(x, pressure, color=colour, lw=0.8, ls=":", label=f"p, {time}")
         panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)
         panel.plot(x, bound, color=colour, lw=0.8, ls="--", label=f"±f p, {time}")
@@ -429,7 +429,7 @@ def _draw_slip(figure: Figure, shown: Shown) -> None:
     handles = [
         Patch(facecolor=colour, edgecolor="black", lw=0.4, label=name)
         for kind, (name, colour) in KINDS.items()
-        if kind <= SLIP + 1 or not shown.tractions.friction[1:].all()
+        if kind <= SLIP + 1 or not shown.tractions.friction.acts[1:].all()
     ]
     figure.legend(handles=handles, loc="outside upper center", ncols=3)
 
@@ -480,7 +480,7 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     line = shear_line(shown.summary, slice(states[0], states[1] + 1))
     backward = tractions.traction[steps][..., 1:] @ line < 0
     kind = np.where((kind == SLIP) & backward, SLIP + 1, kind)
-    frictionless = tractions.friction[steps, None] == 0
+    frictionless = tractions.friction.at(steps) == 0
     kind = np.where(frictionless & (kind != OPEN), SLIP + 2, kind)
     arc = tractions.surface.arc
     borders = np.concatenate([[arc[0]], (arc[1:] + arc[:-1]) / 2, [arc[-1]]])

@@ -78,7 +78,7 @@ def pair_table(run: Result) -> Table | None:
         table.add_row(
             name,
             f"{history.body1} on {history.body2}",
-            number(float(history.friction.max())),
+            number(history.friction.largest),
             number(contact_modulus(*pair, *where)),
             unsigned + number(beta, 3) if abs(beta) > ROUND_OFF else "0",
         )
