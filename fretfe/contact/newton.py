@@ -73,7 +73,7 @@ class LoadedStep:
         self._area: NestedArea | None = None
         self._stuck: StuckSolution
         self.loads = loads
-        self.free = (interface.gap + interface.loads @ loads.amplitudes).reshape(len(reference), -1)
+        self.free = loads.without_traction(interface)
         self.free[:, 1:] -= reference
         roots = interface.roots
         self._free_motion = float((np.abs(self.free).max(axis=1) / roots).max())
@@ -289,7 +289,7 @@ class _Proximal:
     def __init__(self, operator: FactoredOperator, loads: StepLoads, reference: Array) -> None:
         interface = operator.interface
         known, released = interface.prescribed, ~interface.prescribed
-        free = (interface.gap + interface.loads @ loads.amplitudes).reshape(len(reference), -1)
+        free = loads.without_traction(interface)
         free[:, 1:] -= reference
         free = free.ravel() + interface.motion[:, known] @ loads.values[known]
         forces = (interface.coordinate_loads @ loads.amplitudes)[released]

@@ -34,7 +34,9 @@ PASSED_BY = 0.4
 
 @dataclass(frozen=True)
 class StepLoads:
-    """Loads, prescribed amplitudes and friction at the end of a step.
+    """Loads, prescribed amplitudes, friction and unloaded gap at the end of a step.
+
+    An `Interface` is shared by histories; what may differ between their states is here.
 
     Attributes:
         amplitudes: (l,) load amplitudes.
@@ -45,6 +47,11 @@ class StepLoads:
     amplitudes: Array
     values: Array
     friction: Array
+
+    def without_traction(self, interface: Interface) -> Array:
+        """(N, d) gap and tangential displacement w0 + L a without tractions and coordinates."""
+        free = interface.gap + interface.loads @ self.amplitudes
+        return free.reshape(interface.size, interface.components)
 
     def between(self, later: StepLoads, fraction: float) -> StepLoads:
         """Loads at a fraction of the way to a later step, with the later step's friction."""
