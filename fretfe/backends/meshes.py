@@ -402,9 +402,8 @@ def _sources(
         history = contacts[each.contact]
         count = math.ceil((each.high - each.low) / each.size - ROUND_OFF) + 1
         arc = np.linspace(each.low, each.high, count)
-        points = np.stack(
-            [np.interp(arc, history.surface.arc, x) for x in history.surface.points.T], axis=1
-        )
+        surface = history.surface
+        points = np.stack([np.interp(arc, surface.arc, x) for x in surface.points.T], axis=1)
         for places in _on_bodies(case, mesh, history, points):
             kept, sizes = without_round_off(places, np.array([each.size]))
             yield Source(kept, float(sizes[0]))

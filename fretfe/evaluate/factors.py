@@ -256,10 +256,8 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     # The fits know nothing of beta: they see K of unlike bodies at a length in proportion to a.
-    beta, own = (
-        contact.surface.dundurs,
-        rotated(integrals.factors, contact.surface.dundurs, half_widths),
-    )
+    beta = contact.surface.dundurs
+    own = rotated(integrals.factors, beta, half_widths)
     missed = own - fitted[:, None]
     order = np.argsort(half_widths)
     half_width = (positions[1] - positions[0]) / 2

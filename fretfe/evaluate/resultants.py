@@ -126,11 +126,8 @@ def plane_resultants(contact: ContactHistory, centre: Array) -> dict[str, Array]
 
 def solid_resultants(contact: ContactHistory) -> dict[str, Array]:
     """Histories of a contact between solids, by the names of `Contact`."""
-    weights, points, tangents = (
-        contact.surface.weights,
-        contact.surface.points,
-        contact.surface.frames[:, 1:],
-    )
+    surface = contact.surface
+    weights, points, tangents = surface.weights, surface.points, surface.frames[:, 1:]
 
     def own(states: slice, mean: Array) -> dict[str, Array]:
         pressure, vectors = mean[..., 0] * weights, traction_vectors(contact, mean)

@@ -330,38 +330,26 @@ def _edge_stress(result: Result) -> ExportTable:
 
 def _plane_nodes(contact: ContactHistory, state: int) -> Array:
     """(N, 7 or 9) values of a state, as of `PLANE_TRACTIONS` or `TRACTIONS_WITH_Z`."""
+    x = contact.surface.arc
     return np.column_stack(
-        [
-            contact.surface.arc,
-            contact.mean_traction[state],
-            contact.slip[state],
-            *_scalars(contact, state),
-        ]
+        [x, contact.mean_traction[state], contact.slip[state], *_scalars(contact, state)]
     )
 
 
 def _solid_nodes(contact: ContactHistory, state: int) -> Array:
     """(N, 16) values of a state, as of `SOLID_TRACTIONS`."""
-    traction, frames = contact.mean_traction[state], contact.surface.frames
+    traction, surface = contact.mean_traction[state], contact.surface
+    points, normals = surface.points, surface.frames[:, 0]
     shear, slip = (in_space(contact, each) for each in (traction[:, 1:], contact.slip[state]))
     return np.column_stack(
-        [
-            contact.surface.points,
-            frames[:, 0],
-            traction[:, 0],
-            shear,
-            slip,
-            *_scalars(contact, state),
-        ]
+        [points, normals, traction[:, 0], shear, slip, *_scalars(contact, state)]
     )
 
 
 def _scalars(contact: ContactHistory, state: int) -> tuple[Array, Array, Array]:
     """Gap, status and density of the friction work at the nodes."""
-    work = contact.dissipation[state]
-    density = np.divide(
-        work, contact.surface.weights, out=np.zeros_like(work), where=contact.surface.weights > 0
-    )
+    work, weights = contact.dissipation[state], contact.surface.weights
+    density = np.divide(work, weights, out=np.zeros_like(work), where=weights > 0)
     return contact.gap[state], contact.status[state], density
 
 

@@ -334,9 +334,8 @@ def _pairing(
     """
     turned = motion.normal_turn * summary.normal_force[:, None]
     if summary.solid:
-        normal = (
-            history.surface.weights @ history.surface.frames[:, 0] / history.surface.weights.sum()
-        )
+        weights = history.surface.weights
+        normal = weights @ history.surface.frames[:, 0] / weights.sum()
         wrong, largest = _swing(np.cross(turned, normal)[cycle]), _swing(summary.shear_force[cycle])
         known = largest > SMALLEST_SHEAR * np.abs(summary.normal_force).max()
     else:
@@ -389,9 +388,8 @@ def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorde
             mean_square = (strain**2 * weights).sum(axis=1) / total
             stretch = max(stretch, float(np.sqrt(mean_square).max()))
     surfaces = [model.surfaces[name] for name in (contact.surface1, contact.surface2)]
-    curvature = np.array(
-        [_curvatures_near(surface, history.surface.points) for surface in surfaces]
-    )
+    points = history.surface.points
+    curvature = np.array([_curvatures_near(surface, points) for surface in surfaces])
     return Motion(
         turn=turn,
         slope=slope,
@@ -407,18 +405,16 @@ def _along_arc(history: ContactHistory) -> Derive:
 
 def _along_surface(history: ContactHistory) -> Derive:
     """Mean derivatives of the facets around each node, along the tangents of the surface there."""
-    assert history.surface.facets is not None
-    facets, corners = history.surface.facets, history.surface.facets.shape[1]
-    tangents = history.surface.frames[facets][:, :, 1:].mean(axis=1)
-    places = history.surface.points[facets] - history.surface.points[facets].mean(
-        axis=1, keepdims=True
-    )
+    facets, points = history.surface.facets, history.surface.points
+    assert facets is not None
+    corners, tangents = facets.shape[1], history.surface.frames[facets][:, :, 1:].mean(axis=1)
+    places = points[facets] - points[facets].mean(axis=1, keepdims=True)
     # The plane through the corners, by least squares: exact for triangles.
     shares = np.linalg.pinv(np.einsum("fkd,fad->fka", places, tangents))
-    around = np.bincount(facets.ravel(), minlength=len(history.surface.points))
+    around = np.bincount(facets.ravel(), minlength=len(points))
     rows = np.repeat(facets, corners, axis=1).ravel()
     columns = np.tile(facets, (1, corners)).ravel()
-    size = (len(history.surface.points),) * 2
+    size = (len(points),) * 2
     derivatives = []
     for share in shares.swapaxes(0, 1):
         values = np.tile(share, (1, corners)).ravel() / around[rows]

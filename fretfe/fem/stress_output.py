@@ -197,7 +197,8 @@ class _Writer:
         traction: Array = np.sum([each.mean_traction[state] for each in site.patches], axis=0)
         status = np.max([each.status[state] for each in site.patches], axis=0)
         size, below = self._components, self._depths > 0
-        stress = np.full((2, len(self._depths), len(first.surface.arc), size), np.nan)
+        nodes = len(first.surface.arc)
+        stress = np.full((2, len(self._depths), nodes, size), np.nan)
         smooth = []
         for number, (surface, strain) in enumerate(zip(site.surfaces, site.strains, strict=True)):
             law = site.laws[number]
@@ -206,9 +207,7 @@ class _Writer:
             tractions, frames = _at(first, strain.arc, traction)
             own = tension(law.stress(found, tractions, frames), frames[:, 1])
             smooth.append(own + tractions[:, 0])
-            stress[number, below] = inner[site.contact, number].reshape(
-                -1, len(first.surface.arc), size
-            )
+            stress[number, below] = inner[site.contact, number].reshape(-1, nodes, size)
             if not below.all():
                 at_nodes = _interpolated(first.surface.arc, strain.arc, found)
                 at_surface = law.stress(at_nodes, traction, first.surface.frames)
@@ -273,9 +272,8 @@ def _site(
     strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
     laws = [SurfaceLaw.of(model.case.bodies[name], model.case.model.plane) for name in bodies]
     initial = [_initial_strains(model, *each) for each in zip(bodies, strains, strict=True)]
-    place = StressSite(
-        pair.pair, pair.surface.arc, pair.surface.frames, bodies, points, normals, edges
-    )
+    arc, frames = pair.surface.arc, pair.surface.frames
+    place = StressSite(pair.pair, arc, frames, bodies, points, normals, edges)
     return _Site(
         patches,
         own,

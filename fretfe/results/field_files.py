@@ -224,12 +224,9 @@ def write_surfaces(path: Path, solution: Solution, states: Indices) -> None:
 
 
 def _contact_part(contact: ContactHistory) -> Part:
-    assert contact.surface.facets is not None
-    return Part(
-        contact.surface.points,
-        contact.surface.facets,
-        CELL_TYPES[2, contact.surface.facets.shape[1]],
-    )
+    points, facets = contact.surface.points, contact.surface.facets
+    assert facets is not None
+    return Part(points, facets, CELL_TYPES[2, facets.shape[1]])
 
 
 def _values(contact: ContactHistory, states: Indices) -> dict[str, Array]:

@@ -32,17 +32,14 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
         source: (T,) the state that each state is the same as.
     """
     states = np.unique(source)
-    couple = (
-        MissingShear(contact.surface.arc, contact.surface.dundurs)
-        if contact.surface.dundurs
-        else None
-    )
+    arc, beta = contact.surface.arc, contact.surface.dundurs
+    couple = MissingShear(arc, beta) if beta else None
     parts = np.full((len(PLANE_FRONTS), len(fields(EdgeFit)), len(states)), np.nan)
     for block in blocks(len(states), contact.traction[0].size):
         pressure, shear = np.moveaxis(contact.traction[states[block]], 2, 0)[:2]
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
-        sections = plane_sections(contact.surface.arc, pressure[fitted])
+        sections = plane_sections(arc, pressure[fitted])
         for front, section in zip(PLANE_FRONTS, sections, strict=True):
             if couple is not None:
                 fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
@@ -71,9 +68,9 @@ def _unlike_fit(
         pressure: (T, n) of T states.
         shear: (T, n)
     """
+    arc = contact.surface.arc
     section, across = (
-        plane_sections(contact.surface.arc, pressure, each)[front.number]
-        for each in (pressure, shear)
+        plane_sections(arc, pressure, each)[front.number] for each in (pressure, shear)
     )
     ratio = _shear_over_pressure(section, across)
     exponent = sliding_exponent(contact.surface.dundurs, front.inward * ratio)

@@ -146,6 +146,7 @@ def _fronts(
     Where a contact would slide before the cycle, that is begun without any shear.
     """
     path, pair = _Path.of(solution, contact), (bodies[contact.body1], bodies[contact.body2])
+    beta = contact.surface.dundurs
     left = {
         (front.name, each.number): (front, each, twist)
         for front, twist in ((front, _twist(front)) for front in fronts)
@@ -153,12 +154,9 @@ def _fronts(
     }
     done: dict[tuple[str, int], Station] = {}
     for late in (False, True) if path.cycle else (False,):
-        posed = {
-            key: _pose(path, pair, contact.surface.dundurs, *each, late)
-            for key, each in left.items()
-        }
+        posed = {key: _pose(path, pair, beta, *each, late) for key, each in left.items()}
         edges = {key: edge for key, edge in posed.items() if isinstance(edge, _Edge)}
-        histories = _histories(edges.values(), path, contact.surface.dundurs) if edges else None
+        histories = _histories(edges.values(), path, beta) if edges else None
         found = solve_edges(histories, share) if histories else []
         for key, reason in posed.items():
             if isinstance(reason, str):

@@ -110,10 +110,8 @@ class _Followed:
 
     def _carries(self, traction: Array, nodes: Bools) -> Array:
         """(5,) P, Q and area of some nodes."""
-        weights, tangents = (
-            self._contact.surface.weights[nodes],
-            self._contact.surface.frames[nodes, 1:],
-        )
+        surface = self._contact.surface
+        weights, tangents = surface.weights[nodes], surface.frames[nodes, 1:]
         shear = np.einsum("n,nt,ntd->d", weights, traction[nodes, 1:], tangents)
         return np.concatenate([[weights @ traction[nodes, 0]], shear, [weights.sum()]])
 

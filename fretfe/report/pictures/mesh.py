@@ -396,11 +396,10 @@ def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> 
 def contact_view(contact: ContactHistory, states: Sequence[int]) -> View:
     """The part of a contact that is closed in any of the states, or all of it if none is."""
     closed = (contact.status[list(states)] != OPEN).any(axis=0)
-    points = contact.surface.points[closed] if closed.any() else contact.surface.points
+    seen = closed if closed.any() else ~closed
+    points = contact.surface.points[seen]
     middle = len(points) // 2
-    normal = (contact.surface.frames[closed] if closed.any() else contact.surface.frames)[
-        middle, 0, :2
-    ]
+    normal = contact.surface.frames[seen][middle, 0, :2]
     upright = View(points[middle], np.ones(2), normal)
     local = upright.local(points)
     low, high = local.min(axis=0), local.max(axis=0)
