@@ -9,15 +9,12 @@ from dataclasses import dataclass
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
-    across_notes,
     contact_surfaces,
     couple_contacts,
-    cut_notes,
-    layer_notes,
+    model_notes,
     require_possible,
-    side_notes,
 )
-from fretfe.bodies.load_files import checked_history
+from fretfe.bodies.loads.files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, case_notes, parse_case, stiffness_doubts
 from fretfe.environment import rank_from_environment
@@ -60,15 +57,8 @@ class Checked:
     @property
     def notes(self) -> tuple[str, ...]:
         """Things that a reader of its results should know, in words."""
-        layers = layer_notes(self.case, self.definition, self.mesh)
-        sides = side_notes(self.definition)
-        return (
-            *case_notes(self.case),
-            *across_notes(self.case, self.mesh.dimension),
-            *layers,
-            *sides,
-            *cut_notes(self.definition),
-        )
+        own = model_notes(self.case, self.definition, self.mesh)
+        return (*case_notes(self.case), *own)
 
     @property
     def cost(self) -> Cost:

@@ -33,7 +33,6 @@ from fretfe.backends import (
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.bodies.input_files import input_digests, input_files
 from fretfe.case import Case, as_written, case_text
-from fretfe.case.loads import FieldLoad
 from fretfe.case.overrides import by_key
 from fretfe.environment import memory_shortage, missing_package, versions
 from fretfe.errors import (
@@ -488,7 +487,7 @@ class Runner:
 
     def _with_run(self, result: Result) -> Result:
         """A result with notes that compare it with another run, whose displacements move cuts."""
-        if not any(isinstance(load, FieldLoad) for load in result.case.loads.values()):
+        if not result.case.cut_loads:
             return result
 
         def notes() -> tuple[str, ...]:

@@ -494,7 +494,8 @@ CONTRADICTIONS = {
     ),
     "rotation": (
         {"loads__spin": load("rotation", centre=[0, 0]), "bodies__pad__density": 1.0},
-        "loads.spin: a rotation needs the density of every body, missing: bodies.substrate.density",
+        "loads.spin: a rotation needs the density of every body that it acts on, missing: "
+        "bodies.substrate.density",
     ),
     "interference": (
         {"loads__fit": load("interference", contact="seat")},
@@ -502,7 +503,7 @@ CONTRADICTIONS = {
     ),
     "acceleration": (
         {"loads__fall": load("acceleration", direction="y"), "bodies__pad__density": 1.0},
-        "loads.fall: an acceleration needs the density of every body, missing: "
+        "loads.fall: an acceleration needs the density of every body that it acts on, missing: "
         "bodies.substrate.density",
     ),
 }

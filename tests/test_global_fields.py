@@ -14,10 +14,10 @@ import pytest
 from pad_cases import pad, press
 
 from fretfe._typing import Array
-from fretfe.bodies import cut as bodies_cut
-from fretfe.bodies.constraints import read_all_cuts
-from fretfe.bodies.cut import Asked, Cut, read_cuts, read_temperatures, reduce_in_time
-from fretfe.bodies.definition import cut_notes, define_model, require_possible
+from fretfe.bodies.definition import define_model, require_possible
+from fretfe.bodies.loads import cut as bodies_cut
+from fretfe.bodies.loads.cut import Asked, Cut, read_cuts, read_temperatures, reduce_in_time
+from fretfe.bodies.loads.motion import read_all_cuts
 from fretfe.case import Case, parse_case
 from fretfe.case.loads import FieldLoad, TemperatureFieldLoad
 from fretfe.errors import CaseError, FretfeError
@@ -435,7 +435,7 @@ HISTORIES: dict[str, tuple[list[dict[str, Any]], str]] = {
 def test_histories(tmp_path: Path, history: list[dict[str, Any]], expected: str) -> None:
     case = driven(tmp_path, history)
     definition = define_model(case, mesh())
-    note, doubt = cut_notes(definition)
+    note, doubt = definition.cuts[0].notes
     assert doubt.startswith("loads.cut: the displacements change the shape of the cut by 1.")
     assert note.startswith("loads.cut: 3 steps of the run, up to 2.5, as 1 shape; ")
     if not expected:

@@ -13,6 +13,9 @@ from pathlib import Path
 import pytest
 
 import fretfe
+from fretfe.bodies.loads.kinds import SPREAD
+from fretfe.bodies.loads.spread import SpreadLoad
+from fretfe.case.loads import KINDS
 
 # In the order of the data. A new module has to be given its place here. The modules of a package
 # that ends in ".*" may import one another.
@@ -180,6 +183,44 @@ def test_no_small_module_for_one_other() -> None:
 
 
 RIDDLES = re.compile(r'"""(What|How|Where|Whether|Why) ')
+
+
+# A kind of load is looked at by its class only where it is made; all others ask the load.
+OF_LOADS = ("fretfe.case.", "fretfe.bodies.loads.")
+
+
+def looks_at_loads(source: str, kinds: set[str]) -> bool:
+    """Return whether a source branches on the class of a load, or on its type in the case file."""
+    for node in ast.walk(ast.parse(source)):
+        called = isinstance(node, ast.Call) and ast.unparse(node.func) in ("isinstance", "type")
+        if called and kinds & {each.id for each in ast.walk(node) if isinstance(each, ast.Name)}:
+            return True
+        if isinstance(node, ast.MatchClass) and ast.unparse(node.cls) in kinds:
+            return True
+        if isinstance(node, ast.Compare) and ast.unparse(node.left) in ("load.type", "load.kind"):
+            return True
+    return False
+
+
+def test_only_loads_look_at_the_kinds_of_loads() -> None:
+    kinds = {"SpreadLoad", "Load"} | {kind.__name__ for kind in KINDS}
+    kinds |= {each.__name__ for each in SpreadLoad.__subclasses__()}
+    others = [name for name in MODULES if not f"{name}.".startswith(OF_LOADS)]
+    looking = [name for name in others if looks_at_loads(MODULES[name].read_text("utf-8"), kinds)]
+    assert looking == []
+
+
+def test_a_look_at_the_kind_of_a_load_is_found() -> None:
+    kinds = {"FieldLoad"}
+    assert looks_at_loads("if isinstance(each, int | FieldLoad): pass", kinds)
+    assert looks_at_loads("match load:\n case FieldLoad(): pass", kinds)
+    assert looks_at_loads("if load.type == 'field': pass", kinds)
+    assert not looks_at_loads("isinstance(each, int)\nload: FieldLoad = each", kinds)
+
+
+def test_every_kind_of_load_acts_on_bodies_in_one_way() -> None:
+    moving = {kind for kind in KINDS if kind.moves or kind.rigid}
+    assert moving | set(SPREAD) == set(KINDS) and not moving & set(SPREAD)
 
 
 def test_no_docstring_opens_with_a_question() -> None:

@@ -13,9 +13,9 @@ import pytest
 from pad_cases import pad, press
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import define_model, layer_notes
+from fretfe.bodies.definition import define_model, model_notes
+from fretfe.bodies.loads.strain import Layer
 from fretfe.bodies.material import Material
-from fretfe.bodies.spread_loads import Layer
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.idealise import obstacles
@@ -83,7 +83,7 @@ def mesh(rows: int) -> Mesh:
 @pytest.mark.parametrize(("rows", "notes"), [(1, 1), (2, 0), (4, 0)])
 def test_elements_that_do_not_see_the_layer_are_told(rows: int, notes: int) -> None:
     case = parse_case(peened())
-    found = layer_notes(case, define_model(case, mesh(rows)), mesh(rows))
+    found = model_notes(case, define_model(case, mesh(rows)), mesh(rows))
     assert len(found) == notes
     if notes:
         assert found[0].startswith(
@@ -94,7 +94,7 @@ def test_elements_that_do_not_see_the_layer_are_told(rows: int, notes: int) -> N
 
 def test_a_layer_that_no_body_contains_is_told() -> None:
     case = parse_case(peened(depths=[0.0, 500.0], values=[1e-3, 0.0]))
-    (note,) = layer_notes(case, define_model(case, mesh(4)), mesh(4))
+    (note,) = model_notes(case, define_model(case, mesh(4)), mesh(4))
     assert note == (
         "loads.peen: the depths go down to 500 mm, but nothing of lower is deeper below the "
         "surfaces than 1 mm: check their unit"
@@ -103,7 +103,7 @@ def test_a_layer_that_no_body_contains_is_told() -> None:
 
 def test_a_uniform_strain_needs_no_fine_mesh() -> None:
     case = parse_case(peened(depths=[0.0], values=[1e-3]))
-    assert layer_notes(case, define_model(case, mesh(1)), mesh(1)) == ()
+    assert model_notes(case, define_model(case, mesh(1)), mesh(1)) == ()
 
 
 KEYS: dict[str, tuple[dict[str, Any], str]] = {

@@ -13,7 +13,7 @@ import tomli_w
 from pad_cases import pad
 
 from fretfe import checked
-from fretfe.bodies.load_files import checked_history
+from fretfe.bodies.loads.files import checked_history
 from fretfe.case import parse_case
 from fretfe.errors import CaseError
 from fretfe.fields import field

@@ -130,7 +130,7 @@ def test_strains_that_jump_from_sector_to_sector(points: list[list[float]], jump
     definition = define_model(
         parse_case(data), Mesh({"ring": sectors.ring(), "pad": sectors.pad()})
     )
-    notes = side_notes(definition)
+    notes = tuple(side_notes(definition))
     assert len(notes) == (jump > 0)
     if notes:
         # 100 (1 + sin 45° 1.4)/2 and 100 (1 - sin 45° 1.4)/2 at the outer corners

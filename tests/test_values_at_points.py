@@ -15,8 +15,9 @@ from pad_cases import HOLD, STEEL, pad, press
 
 from fretfe._typing import Array
 from fretfe.bodies.definition import define_model, require_possible
+from fretfe.bodies.loads.spread import Force, Traction
 from fretfe.bodies.point_values import PointValues, read_points
-from fretfe.case import check_dimension, load_case, parse_case
+from fretfe.case import TemperatureLoad, check_dimension, load_case, parse_case
 from fretfe.case.reading import case_text
 from fretfe.errors import CaseError
 from fretfe.idealise import obstacles
@@ -198,7 +199,7 @@ def test_files_are_found_from_elsewhere(tmp_path: Path) -> None:
     written = tmp_path / "other.toml"
     written.write_text(case_text(case))
     load = load_case(written).loads["heat"]
-    assert load.type == "temperature" and load.file == str(tmp_path / "t.csv")
+    assert isinstance(load, TemperatureLoad) and load.file == str(tmp_path / "t.csv")
 
 
 def test_half_planes_have_no_temperature() -> None:
@@ -260,8 +261,8 @@ def test_bad_tractions(tmp_path: Path, text: str, keys: dict[str, Any], expected
 def test_tractions_at_points() -> None:
     data = pulled(points=[[2, 0], [2, 1]], values=[1, 2])
     (load,) = define_model(parse_case(data), mesh()).loads
-    assert load.at_points is not None
-    np.testing.assert_allclose(load.at_points.at(np.array([[2.0, 0.25]])), 1.25)
+    assert isinstance(load, Traction) and load.factors is not None
+    np.testing.assert_allclose(load.factors.at(np.array([[2.0, 0.25]])), 1.25)
     (reason,) = (
         each for each in obstacles(parse_case(pad(loads=data["loads"]))) if "loads.p:" in each
     )
@@ -355,7 +356,7 @@ def push(**keys: Any) -> dict[str, Any]:
 
 def test_forces() -> None:
     (load,) = define_model(parse_case(push(centre=[2.1, 0.5], radius=0.2)), mesh()).loads
-    assert (load.kind, load.direction, load.radius) == ("force", (1.0, 0.0), 0.2)
+    assert load == Force("f", "upper_right", (1.0, 0.0), (2.1, 0.5), 0.2)
     # Next to the middle of the facet, but not so that points of integration must be within it.
     far = parse_case(push(centre=[2.2, 0.5], radius=0.1))
     with pytest.raises(

@@ -103,7 +103,8 @@ def _sides(
             continue
         flat = np.abs(np.abs(surface.normals @ normal) - 1) < FLAT
         others = [each for each in body.constraints if each is not held and not each.at]
-        acting = {each.boundary for each in others} | {each.boundary for each in model.loads}
+        acting = {each.boundary for each in others}
+        acting |= {each.traction.boundary for each in model.loads if each.traction is not None}
         acting &= mesh.boundaries.keys()
         alone = not any(_lies_in(mesh, name, surface, normal) for name in acting)
         if flat.all() and alone and _is_its_image(body, normal):

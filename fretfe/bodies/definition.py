@@ -4,31 +4,21 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
-import numpy as np
-
-from fretfe.bodies.constraints import (
-    Constraint,
-    NodalShape,
-    cut_constraints,
-    displacement_constraints,
-    platen_constraints,
-    read_all_cuts,
-    shape_constraints,
-    support_constraints,
-)
-from fretfe.bodies.cut import Asked, Cut
+from fretfe.bodies.constraints import Constraint, support_constraints
 from fretfe.bodies.cyclic import Tie, tie_sides
+from fretfe.bodies.loads.cut import Asked, Cut
+from fretfe.bodies.loads.kinds import require_one_rotation, spread_loads
+from fretfe.bodies.loads.motion import moved_boundaries, read_all_cuts
+from fretfe.bodies.loads.spread import SpreadLoad
+from fretfe.bodies.loads.strain import require_temperatures
 from fretfe.bodies.material import Material
-from fretfe.bodies.point_values import FLAT, NodalValues, PointValues
-from fretfe.bodies.spread_loads import DistributedLoad, distributed_loads, require_values_around
 from fretfe.case import Case
-from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.contact.interface import Coordinate
-from fretfe.errors import CaseError, ModelError
+from fretfe.errors import ModelError
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.mortar import Coupling, couple
@@ -37,8 +27,6 @@ from fretfe.surface.surface import Surface, build_surface
 # Part of an initial strain that may differ at the sides of a sector: values at points are
 # interpolated, and constant across a line of points.
 LARGEST_STEP = 0.02
-# Height of an element over the distance of two depths from which it does not see both.
-FINEST = 1.01
 
 
 @dataclass(frozen=True)
@@ -71,7 +59,7 @@ class ModelDefinition:
     """Definition of all bodies, and of the loads on whichever body has their boundary."""
 
     bodies: tuple[BodyDefinition, ...]
-    loads: tuple[DistributedLoad, ...]
+    loads: tuple[SpreadLoad, ...]
 
     @property
     def components(self) -> int:
@@ -81,20 +69,17 @@ class ModelDefinition:
     @property
     def cuts(self) -> tuple[Cut, ...]:
         """All fields of other runs."""
-        heated = {load.channel: load.cut for load in self.loads if load.cut is not None}
+        heated = {load.channel: load.run for load in self.loads if load.run is not None}
         return (*(cut for body in self.bodies for cut in body.cuts), *heated.values())
 
     @property
     def digest(self) -> str:
         """Text that is equal for loads with the same values at points."""
-        given: list[PointValues | NodalShape | NodalValues | None]
-        given = [load.at_points for load in self.loads]
-        given += [each for load in self.loads for each in load.changes.values()]
-        given += [each.shape for body in self.bodies for each in body.constraints]
+        given = [each for load in self.loads for each in load.given]
+        shapes = [each.shape for body in self.bodies for each in body.constraints]
         found = hashlib.sha256()
-        for each in given:
-            if each is not None:
-                found.update(each.points.tobytes() + each.values.tobytes())
+        for each in (*given, *(shape for shape in shapes if shape is not None)):
+            found.update(each.points.tobytes() + each.values.tobytes())
         return found.hexdigest()
 
 
@@ -106,21 +91,16 @@ def define_model(case: Case, mesh: Mesh) -> ModelDefinition:
         CaseError: if values at points cannot be read, or do not reach as far as the bodies, or
             sides of a sector are not images of one another.
     """
-    size = case.components(mesh.dimension)
-    loads = distributed_loads(case, mesh)
-    for load in loads:
-        require_values_around(case, load, mesh)
-    cuts = read_all_cuts(case, mesh)
+    loads, cuts = spread_loads(case, mesh), read_all_cuts(case, mesh)
     return ModelDefinition(
-        bodies=tuple(_define_body(case, mesh, name, size, cuts) for name in case.bodies),
-        loads=loads,
+        bodies=tuple(_define_body(case, mesh, name, cuts) for name in case.bodies), loads=loads
     )
 
 
 def _define_body(
-    case: Case, mesh: Mesh, name: str, size: int, cuts: Mapping[str, tuple[Asked, Cut]]
+    case: Case, mesh: Mesh, name: str, cuts: Mapping[str, tuple[Asked, Cut]]
 ) -> BodyDefinition:
-    own = mesh.bodies[name].boundaries
+    own, size = mesh.bodies[name].boundaries, case.components(mesh.dimension)
     surfaces = [
         surface
         for contact in case.contacts.values()
@@ -132,15 +112,9 @@ def _define_body(
             f"body {name!r} has no contact surface: expected one of its boundaries "
             f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
         )
-    shapes = shape_constraints(case, mesh.bodies[name])
     own_cuts = [each for each in cuts.values() if each[0].body == name]
-    cut = [driven for each in own_cuts for driven in cut_constraints(*each)]
-    moved = displacement_constraints(case, size) + shapes + cut
-    constrained = [
-        each
-        for each in platen_constraints(case, size) + moved + support_constraints(case, size)
-        if each.constraint.boundary in own
-    ]
+    held = [each for each in support_constraints(case, size) if each.constraint.boundary in own]
+    constrained = moved_boundaries(case, mesh.bodies[name], own_cuts) + held
     return BodyDefinition(
         name=name,
         material=Material.of(case.bodies[name], case.model.plane),
@@ -173,46 +147,28 @@ def _tie(case: Case, body: BodyMesh) -> Tie | None:
     return None
 
 
-def across_notes(case: Case, dimension: int) -> tuple[str, ...]:
-    """Tell that plane bodies move along z, and what in the case makes them do so, in words."""
-    if dimension == 3:
-        return ()
-    keys = [".".join(map(str, key)) for key in case.moving_across()]
-    if not keys:
-        return ()
+def model_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[str, ...]:
+    """Things that a reader of the results of a model should know, in words."""
     return (
-        f"plane bodies move along z, too: displacements u_z(x, y) are part of the model by "
-        f"{', '.join(keys)}",
+        *_across_notes(case, mesh.dimension),
+        *(note for load in definition.loads for note in load.notes(case, mesh)),
+        *side_notes(definition),
+        *(note for cut in definition.cuts for note in cut.notes),
     )
 
 
-def layer_notes(case: Case, definition: ModelDefinition, mesh: Mesh) -> tuple[str, ...]:
-    """Layers of initial strain that elements do not resolve or bodies do not contain, in words."""
-    notes = []
-    for load in definition.loads:
-        for name, layer in load.layers.items():
-            height, changes = layer.height_of_elements(mesh.bodies[name]), np.diff(layer.depths)
-            if len(changes) and height > FINEST * changes.min():
-                unit = case.units.length
-                notes.append(
-                    f"loads.{load.channel}: elements below the surfaces of {name} are up to "
-                    f"{height:.3g} {unit} high, next to depths that differ by {changes.min():.3g} "
-                    f"{unit}: there the mesh does not follow the strain, which is linear in an "
-                    "element, and the layer stretches and bends the body by a wrong amount"
-                )
-            deepest = layer.largest_depth(mesh.bodies[name])
-            if layer.depths[-1] > (1 + FLAT) * deepest:
-                notes.append(
-                    f"loads.{load.channel}: the depths go down to {layer.depths[-1]:.4g} "
-                    f"{case.units.length}, but nothing of {name} is deeper below the surfaces than "
-                    f"{deepest:.4g} {case.units.length}: check their unit"
-                )
-    return tuple(notes)
+def _across_notes(case: Case, dimension: int) -> Iterator[str]:
+    """Loads and bodies by which plane bodies move along z, in words."""
+    keys = [".".join(map(str, key)) for key in case.moving_across()]
+    if dimension == 2 and keys:
+        yield (
+            "plane bodies move along z, too: displacements u_z(x, y) are part of the model by "
+            f"{', '.join(keys)}"
+        )
 
 
-def side_notes(definition: ModelDefinition) -> tuple[str, ...]:
+def side_notes(definition: ModelDefinition) -> Iterator[str]:
     """Initial strains that neighbour sectors do not continue, in words."""
-    notes = []
     for body in definition.bodies:
         tie = body.tie
         for load in definition.loads:
@@ -220,17 +176,11 @@ def side_notes(definition: ModelDefinition) -> tuple[str, ...]:
                 continue
             found = tie.mismatch(partial(load.initial_strain, body.name, body.material))
             if found > LARGEST_STEP:
-                notes.append(
+                yield (
                     f"loads.{load.channel}: from one sector to the next the strain of "
                     f"{body.name} jumps by {100 * found:.3g} % of the largest at its sides: every "
                     "sector has the load of this one, turned"
                 )
-    return tuple(notes)
-
-
-def cut_notes(definition: ModelDefinition) -> tuple[str, ...]:
-    """Fate of the fields of other runs, in words."""
-    return tuple(note for cut in definition.cuts for note in cut.notes)
 
 
 def require_possible(case: Case, definition: ModelDefinition, history: History) -> None:
@@ -239,78 +189,10 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
     Raises:
         CaseError: names the first load that is not.
     """
-    _require_above_absolute_zero(case, definition, history)
-    _require_one_rotation(case, definition, history)
+    require_temperatures(case, definition.loads, history)
+    require_one_rotation(case, definition.loads, history)
     for cut in definition.cuts:
         cut.require_steps(case, history)
-
-
-def _require_one_rotation(case: Case, definition: ModelDefinition, history: History) -> None:
-    """Check that speeds are not to be added: the force goes with the square of their sum.
-
-    Raises:
-        CaseError: names the loads, and when they turn the bodies together.
-    """
-    names = [load.channel for load in definition.loads if load.kind == "rotation"]
-    speeds = history.values[:, [history.channels.index(name) for name in names]]
-    both = np.flatnonzero((speeds != 0).sum(axis=1) > 1)
-    if both.size:
-        raise CaseError(
-            f"{case.source}: loads: expected one load of the type rotation at a time, found "
-            f"{' and '.join(names)} at time {history.times[both[0]]:g}: the force goes with the "
-            "square of the whole speed, so give that by one of them"
-        )
-
-
-def _require_above_absolute_zero(case: Case, definition: ModelDefinition, history: History) -> None:
-    """Check that no temperature of a history is below absolute zero.
-
-    Raises:
-        CaseError: names the first load that would be.
-    """
-    for load in definition.loads:
-        if load.kind != "temperature" or load.at_points is None:
-            continue
-        parts = history.values[:, history.channels.index(load.channel)]
-        for name in load.bodies or case.bodies:
-            start = case.bodies[name].reference_temperature or 0.0
-            coldest = float((start + np.outer(parts, load.at_points.values - start)).min())
-            if coldest < ABSOLUTE_ZERO:
-                raise CaseError(
-                    f"{case.source}: loads.{load.channel}.history: expected temperatures >= "
-                    f"{ABSOLUTE_ZERO:g} (absolute zero, in degrees Celsius), found {coldest:g} in "
-                    f"the body {name!r}, whose reference temperature is {start:g}"
-                )
-    for name in case.bodies:
-        _require_sum_above_absolute_zero(case, definition, history, name)
-
-
-def _require_sum_above_absolute_zero(
-    case: Case, definition: ModelDefinition, history: History, body: str
-) -> None:
-    """Check loads that change the temperature of a body together, at the points that they have."""
-    heats = [load for load in definition.loads if load.kind == "temperature" and load.strains(body)]
-    names = list(dict.fromkeys(load.channel for load in heats))
-    if len(names) < 2:
-        return
-    start = case.bodies[body].reference_temperature or 0.0
-    nodes = [load.changes[body].points for load in heats if body in load.changes]
-    given = [load.at_points.points for load in heats if load.at_points is not None]
-    places = nodes[0] if nodes else np.unique(np.concatenate(given), axis=0)
-    changes = np.stack([load.temperature_change(body, start, places) for load in heats])
-    columns = [history.values[:, history.channels.index(load.channel)] for load in heats]
-    parts = np.stack([load.amplitudes(each) for load, each in zip(heats, columns, strict=True)])
-    coldest = min(
-        (start + float((state @ changes).min()), time)
-        for state, time in zip(parts.T, history.times, strict=True)
-    )
-    if coldest[0] < ABSOLUTE_ZERO:
-        raise CaseError(
-            f"{case.source}: loads: expected temperatures >= {ABSOLUTE_ZERO:g} (absolute zero, in "
-            f"degrees Celsius), found {coldest[0]:g} in the body {body!r} at time {coldest[1]:g} "
-            f"by {' and '.join(names)} together, which each change its temperature from "
-            f"{start:g}"
-        )
 
 
 @dataclass(frozen=True)

@@ -3,8 +3,20 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
+from functools import reduce
 from itertools import pairwise
-from typing import Annotated, Any, Literal, Self
+from operator import or_
+from typing import (
+    TYPE_CHECKING,
+    Annotated,
+    Any,
+    ClassVar,
+    Literal,
+    NamedTuple,
+    Self,
+    get_args,
+)
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
@@ -22,18 +34,139 @@ from fretfe.case.base import (
     Temperature,
     Text,
     Vector,
+    unit_vector,
 )
 from fretfe.case.segments import Segment
+from fretfe.case.units import Units
+
+# Columns of a file of strains, of plane bodies the first four, and their components.
+STRAINS = {"exx": (0, 0), "eyy": (1, 1), "ezz": (2, 2), "exy": (0, 1), "eyz": (1, 2), "exz": (0, 2)}
+PLANE_STRAINS = 4
+
+# A direction of a case file: an axis, "normal", or components.
+Along = str | tuple[float, ...]
+# Columns of the values in the table of a load, by the number of coordinates of the mesh.
+Columns = dict[int, tuple[str, ...]]
 
 
-class Channel(Table):
-    """Base of all loads: each has a history."""
+LengthFactor = Annotated[
+    Positive,
+    Field(
+        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
+        "case in millimetres."
+    ),
+]
+
+
+class Push(NamedTuple):
+    """A force on a boundary by a unit of a load.
+
+    Attributes:
+        direction: of the force; "normal" is outward.
+        total: whether the history is the force for the whole thickness, not force per area.
+        uniform: whether it is the same all over the boundary.
+    """
+
+    direction: Along
+    total: bool
+    uniform: bool = True
+
+
+class Load(Table):
+    """A load: one channel with one history.
+
+    Each kind of load is one class of this module and stands in `KINDS` once: there the case file
+    has its types from. A class says what its load asks of the case and what others may ask of it;
+    what it does to bodies is in `bodies.loads`.
+
+    Attributes:
+        needs: keys of the constants that each body has to have that it acts on.
+        rigid: whether its boundary moves as one rigid piece, a platen.
+        moves: whether it prescribes displacements of a boundary that is no platen.
+        by_shape: whether these are a shape, with as many components as the mesh has coordinates.
+        body_force: whether it pushes bodies everywhere.
+        half_plane: whether some loads of its kind act on half-planes, too.
+        undivided: why it cannot act on a part of its boundary, in words before "all of it".
+        history_unit: unit of the history, in those of a case by their keys.
+    """
+
+    if TYPE_CHECKING:
+        type: str
 
     history: tuple[Segment, ...] = Field(
         min_length=1,
         description="Segments in the order of time, on the clock of the case, which starts at 0 "
         "with the value 0. After the last segment the value stays.",
     )
+
+    needs: ClassVar[tuple[str, ...]] = ()
+    rigid: ClassVar[bool] = False
+    moves: ClassVar[bool] = False
+    by_shape: ClassVar[bool] = False
+    body_force: ClassVar[bool] = False
+    half_plane: ClassVar[bool] = False
+    undivided: ClassVar[str] = ""
+    history_unit: ClassVar[str] = "1"
+
+    def unit(self, units: Units) -> str:
+        """Unit of the history, in those of a case."""
+        return self.history_unit.format(**dict(units))
+
+    @property
+    def title(self) -> str:
+        """The kind of load in a sentence, with its article."""
+        return f"{'an' if self.type[0] in 'aei' else 'a'} {self.type}"
+
+    @property
+    def on(self) -> str:
+        """Boundary that it acts on; empty if it acts in bodies or between them."""
+        return getattr(self, "boundary", "")
+
+    @property
+    def along(self) -> Along | None:
+        """Its direction, if loads of this kind have one."""
+        return getattr(self, "direction", None)
+
+    @property
+    def about(self) -> Along | None:
+        """Its axis, if loads of this kind have one."""
+        return getattr(self, "axis", None)
+
+    @property
+    def places(self) -> dict[tuple[str | int, ...], tuple[float, ...]]:
+        """Points that it names, by their keys."""
+        points = enumerate(getattr(self, "points", None) or ())
+        centre = getattr(self, "centre", None)
+        own = {} if centre is None else {("centre",): centre}
+        return own | {("points", number): point for number, point in points}
+
+    @property
+    def within(self) -> tuple[str, ...] | None:
+        """Bodies that it acts on; None for all."""
+        return getattr(self, "bodies", None)
+
+    @property
+    def closes(self) -> str:
+        """Contact whose gap it closes, if it does that."""
+        return getattr(self, "contact", "")
+
+    @property
+    def push(self) -> Push | None:
+        """Force on its boundary, not uniform unless its kind says so; None if it gives none."""
+        known = self.moves or self.rigid or not self.on
+        return None if known else Push("normal", total=False, uniform=False)
+
+    def half_plane_obstacle(self, top: str, sides: Collection[str]) -> str:
+        """Reason why it does not act on half-planes; empty if it does.
+
+        Args:
+            top: boundary of the upper body.
+            sides: boundaries of the lower body at which a bulk tension acts.
+        """
+        return (
+            f"expected a platen force or a traction on {top!r}, or a tension on a side of the "
+            f"block, found {self.title} ({self.on or 'everywhere'})"
+        )
 
 
 BETWEEN_POINTS = (
@@ -42,7 +175,7 @@ BETWEEN_POINTS = (
 )
 
 
-class ChannelAtPoints(Channel):
+class LoadAtPoints(Load):
     """Base of loads that may be given by values at points."""
 
     points: tuple[Point, ...] | None = Field(
@@ -54,6 +187,8 @@ class ChannelAtPoints(Channel):
         description="CSV file with columns x, y (and z of solids) and T, of a traction value, "
         "relative to the folder of the case file; used as points and values are.",
     )
+
+    columns: ClassVar[Columns] = {2: ("value",), 3: ("value",)}
 
     @property
     def at_points(self) -> bool:
@@ -81,7 +216,7 @@ class ChannelAtPoints(Channel):
         return self
 
 
-class PlatenLoad(Channel):
+class PlatenLoad(Load):
     """A boundary that moves as one rigid piece and does not turn, unless it has a tilt."""
 
     type: Literal["platen"] = Field(description='"platen": a rigid, guided boundary.')
@@ -96,8 +231,32 @@ class PlatenLoad(Channel):
         "direction."
     )
 
+    rigid = True
+    half_plane = True
+    undivided = "one rigid piece,"
 
-class TiltLoad(Channel):
+    def unit(self, units: Units) -> str:
+        """Unit of the history, in those of a case."""
+        return units.force if self.control == "force" else units.length
+
+    @property
+    def push(self) -> Push | None:
+        """The force, if the history is that."""
+        return Push(self.direction, total=True) if self.control == "force" else None
+
+    def half_plane_obstacle(self, top: str, sides: Collection[str]) -> str:
+        """Reason why it does not act on half-planes; empty if it does."""
+        if self.boundary != top:
+            return super().half_plane_obstacle(top, sides)
+        if self.control == "force":
+            return ""
+        return (
+            f"expected control = 'force', found {self.control!r} (the approach of half-planes is "
+            "not determined)"
+        )
+
+
+class TiltLoad(Load):
     """A platen that turns about an axis as well."""
 
     type: Literal["tilt"] = Field(description='"tilt": a rigid boundary that turns about an axis.')
@@ -119,8 +278,15 @@ class TiltLoad(Channel):
         "radians."
     )
 
+    rigid = True
+    undivided = "one rigid piece,"
 
-class TractionLoad(ChannelAtPoints):
+    def unit(self, units: Units) -> str:
+        """Unit of the history, in those of a case."""
+        return "rad" if self.control == "rotation" else f"{units.force}·{units.length}"
+
+
+class TractionLoad(LoadAtPoints):
     """A traction on a boundary, uniform unless it has values at points.
 
     These are factors of the history.
@@ -136,8 +302,25 @@ class TractionLoad(ChannelAtPoints):
         "(its length does not matter). The history is in stress units."
     )
 
+    half_plane = True
+    history_unit = "{stress}"
 
-class DisplacementLoad(Channel):
+    @property
+    def push(self) -> Push:
+        """The traction."""
+        return Push(self.direction, total=False, uniform=not self.at_points)
+
+    def half_plane_obstacle(self, top: str, sides: Collection[str]) -> str:
+        """Reason why it does not act on half-planes; empty if it does."""
+        if self.at_points:
+            return "expected a uniform traction, found values at points"
+        if self.boundary in sides:
+            known = self.direction == "normal" or abs(unit_vector(self.direction, 2)[1]) < 1e-9
+            return "" if known else f"expected a bulk tension along x, found {self.direction!r}"
+        return "" if self.boundary == top else super().half_plane_obstacle(top, sides)
+
+
+class DisplacementLoad(Load):
     """One prescribed displacement component of a boundary; the others stay free."""
 
     type: Literal["displacement"] = Field(
@@ -148,8 +331,11 @@ class DisplacementLoad(Channel):
         description='Component that is prescribed: "x", "y" or "z". The history is in length units.'
     )
 
+    moves = True
+    history_unit = "{length}"
 
-class ShapeLoad(ChannelAtPoints):
+
+class ShapeLoad(LoadAtPoints):
     """A boundary whose displacement is an amplitude times a shape, as that of a mode."""
 
     type: Literal["shape"] = Field(
@@ -165,11 +351,11 @@ class ShapeLoad(ChannelAtPoints):
         description="CSV file with columns x, y (and z of solids), ux, uy (and uz), relative to "
         "the folder of the case file; lines that begin with # are skipped.",
     )
-    factor: Positive = Field(
-        default=1.0,
-        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
-        "case in millimetres.",
-    )
+    factor: LengthFactor = 1.0
+
+    moves = True
+    by_shape = True
+    columns: ClassVar[Columns] = {2: ("ux", "uy"), 3: ("ux", "uy", "uz")}
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
@@ -184,7 +370,7 @@ class ShapeLoad(ChannelAtPoints):
         return self
 
 
-class OtherRun(Channel):
+class OtherRun(Load):
     """A load that another run gives; the history runs through its steps."""
 
     position: Literal["time", "number"] = Field(
@@ -192,11 +378,7 @@ class OtherRun(Channel):
         description='What the history counts: the "time" of the run, or the "number" of its steps '
         "in the file, from 1 on.",
     )
-    factor: Positive = Field(
-        default=1.0,
-        description="Factor of all lengths, coordinates and displacements: 1000 for metres in a "
-        "case in millimetres.",
-    )
+    factor: LengthFactor = 1.0
     arrays: tuple[Text, ...] | None = Field(
         default=None,
         min_length=1,
@@ -205,6 +387,10 @@ class OtherRun(Channel):
         'array, or of displacements a number for each axis, as ["disp_x", "disp_y"]; without it '
         "the one with a usual name.",
     )
+
+    if TYPE_CHECKING:
+        file: str
+    quantity: ClassVar[Literal["displacements", "temperatures"]]
 
 
 class FieldLoad(OtherRun):
@@ -231,6 +417,10 @@ class FieldLoad(OtherRun):
         "coordinates; without it 'factor'.",
     )
 
+    moves = True
+    by_shape = True
+    quantity = "displacements"
+
     @property
     def displacement_scale(self) -> float:
         """Factor of the displacements."""
@@ -254,8 +444,11 @@ class TemperatureFieldLoad(OtherRun):
         default=None, min_length=1, description="Bodies that it acts on; all without this key."
     )
 
+    needs = ("expansion", "reference_temperature")
+    quantity = "temperatures"
 
-class ForceLoad(Channel):
+
+class ForceLoad(Load):
     """A force spread evenly over a boundary, or a part of it."""
 
     type: Literal["force"] = Field(
@@ -275,6 +468,14 @@ class ForceLoad(Channel):
         description="Distance from the centre up to which it acts; given with the centre.",
     )
 
+    undivided = "a force spread over"
+    history_unit = "{force}"
+
+    @property
+    def push(self) -> Push:
+        """The force."""
+        return Push(self.direction, total=True)
+
     @model_validator(mode="after")
     def _both_or_none(self) -> Self:
         if (self.centre is None) != (self.radius is None):
@@ -283,7 +484,7 @@ class ForceLoad(Channel):
         return self
 
 
-class RotationLoad(Channel):
+class RotationLoad(Load):
     """Centrifugal body force density * omega^2 * r in all bodies."""
 
     type: Literal["rotation"] = Field(
@@ -299,8 +500,12 @@ class RotationLoad(Channel):
         "model.",
     )
 
+    needs = ("density",)
+    body_force = True
+    history_unit = "1/{time}"
 
-class AccelerationLoad(Channel):
+
+class AccelerationLoad(Load):
     """Body force density * acceleration in all bodies, as that of gravity."""
 
     type: Literal["acceleration"] = Field(
@@ -312,8 +517,12 @@ class AccelerationLoad(Channel):
         "matter). What is accelerated feels a force in the opposite direction."
     )
 
+    needs = ("density",)
+    body_force = True
+    history_unit = "{length}/{time}^2"
 
-class InterferenceLoad(Channel):
+
+class InterferenceLoad(Load):
     """A press fit: surfaces of a contact that are larger than they are drawn."""
 
     type: Literal["interference"] = Field(
@@ -322,8 +531,10 @@ class InterferenceLoad(Channel):
     )
     contact: Name = Field(description="Contact whose surfaces overlap.")
 
+    history_unit = "{length}"
 
-class TemperatureLoad(ChannelAtPoints):
+
+class TemperatureLoad(LoadAtPoints):
     """A change of temperature, by which bodies expand."""
 
     type: Literal["temperature"] = Field(
@@ -343,6 +554,9 @@ class TemperatureLoad(ChannelAtPoints):
         default=None, min_length=1, description="Bodies that it acts on; all without this key."
     )
 
+    needs = ("expansion", "reference_temperature")
+    columns: ClassVar[Columns] = {2: ("T",), 3: ("T",)}
+
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         given = [key for key in ("value", "points", "file") if getattr(self, key) is not None]
@@ -352,7 +566,7 @@ class TemperatureLoad(ChannelAtPoints):
         return self
 
 
-class EigenstrainLoad(Channel):
+class EigenstrainLoad(Load):
     """Strain that a treatment, such as shot peening or welding, has left in bodies."""
 
     type: Literal["eigenstrain"] = Field(
@@ -387,6 +601,8 @@ class EigenstrainLoad(Channel):
         default=None, min_length=1, description="Bodies that a file acts on; all without this key."
     )
 
+    columns: ClassVar[Columns] = {2: tuple(STRAINS)[:PLANE_STRAINS], 3: tuple(STRAINS)}
+
     @model_validator(mode="after")
     def _one_way(self) -> Self:
         layer = ("surfaces", "depths", "values")
@@ -413,36 +629,14 @@ class EigenstrainLoad(Channel):
         return self
 
 
-Load = (
-    PlatenLoad
-    | TiltLoad
-    | TractionLoad
-    | DisplacementLoad
-    | ShapeLoad
-    | FieldLoad
-    | TemperatureFieldLoad
-    | ForceLoad
-    | RotationLoad
-    | AccelerationLoad
-    | InterferenceLoad
-    | TemperatureLoad
-    | EigenstrainLoad
-)
-LOADS: dict[str, type[Channel]] = {
-    "platen": PlatenLoad,
-    "tilt": TiltLoad,
-    "traction": TractionLoad,
-    "displacement": DisplacementLoad,
-    "shape": ShapeLoad,
-    "field": FieldLoad,
-    "temperature_field": TemperatureFieldLoad,
-    "force": ForceLoad,
-    "rotation": RotationLoad,
-    "acceleration": AccelerationLoad,
-    "interference": InterferenceLoad,
-    "temperature": TemperatureLoad,
-    "eigenstrain": EigenstrainLoad,
-}
+# In the order in which messages name them.
+KINDS: tuple[type[Load], ...] = (
+    PlatenLoad, TiltLoad, TractionLoad, DisplacementLoad, ShapeLoad, FieldLoad,
+    TemperatureFieldLoad, ForceLoad, RotationLoad, AccelerationLoad, InterferenceLoad,
+    TemperatureLoad, EigenstrainLoad,
+)  # fmt: skip
+# By the type that the case file calls them by.
+LOADS = {get_args(kind.model_fields["type"].annotation)[0]: kind for kind in KINDS}
 
 
 def _load_type(load: Any) -> str | None:
@@ -451,19 +645,10 @@ def _load_type(load: Any) -> str | None:
     return f"{TAG}{kind}" if isinstance(kind, str) and kind in LOADS else None
 
 
-AnyLoad = Annotated[
-    Annotated[PlatenLoad, Tag(f"{TAG}platen")]
-    | Annotated[TiltLoad, Tag(f"{TAG}tilt")]
-    | Annotated[TractionLoad, Tag(f"{TAG}traction")]
-    | Annotated[DisplacementLoad, Tag(f"{TAG}displacement")]
-    | Annotated[ShapeLoad, Tag(f"{TAG}shape")]
-    | Annotated[FieldLoad, Tag(f"{TAG}field")]
-    | Annotated[TemperatureFieldLoad, Tag(f"{TAG}temperature_field")]
-    | Annotated[ForceLoad, Tag(f"{TAG}force")]
-    | Annotated[RotationLoad, Tag(f"{TAG}rotation")]
-    | Annotated[AccelerationLoad, Tag(f"{TAG}acceleration")]
-    | Annotated[InterferenceLoad, Tag(f"{TAG}interference")]
-    | Annotated[TemperatureLoad, Tag(f"{TAG}temperature")]
-    | Annotated[EigenstrainLoad, Tag(f"{TAG}eigenstrain")],
-    Discriminator(_load_type),
-]
+if TYPE_CHECKING:
+    AnyLoad = Load
+else:
+    AnyLoad = Annotated[
+        reduce(or_, (Annotated[load, Tag(f"{TAG}{kind}")] for kind, load in LOADS.items())),
+        Discriminator(_load_type),
+    ]

@@ -15,17 +15,12 @@ from fretfe.case.base import AXES, Name, Table, unit_vector
 from fretfe.case.bodies import AnyBody, Given, OverTemperature, couples_across
 from fretfe.case.loads import (
     AccelerationLoad,
+    Along,
     AnyLoad,
-    DisplacementLoad,
-    EigenstrainLoad,
     FieldLoad,
-    InterferenceLoad,
     Load,
     PlatenLoad,
     RotationLoad,
-    ShapeLoad,
-    TemperatureFieldLoad,
-    TemperatureLoad,
     TiltLoad,
 )
 from fretfe.case.tables import (
@@ -51,8 +46,6 @@ OVER_TEMPERATURE = {
 # Sine of the angle by which two platen directions may miss a right angle: vectors typed with six
 # digits pass, a slip of a degree does not.
 ORTHOGONALITY = 1e-5
-# Loads that prescribe displacements of a boundary, which is no platen.
-MOVES = DisplacementLoad | ShapeLoad | FieldLoad
 # Distance of two axes over that of their points from the origin, up to which they are one.
 SAME_AXIS = 1e-6
 
@@ -78,9 +71,8 @@ def cross_problems(
         *_platen_problems(contacts, supports, loads),
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
-        *_density_problems(bodies, loads),
-        *_strained_body_problems(bodies, loads),
-        *_temperature_problems(bodies, loads),
+        *_body_problems(bodies, loads),
+        *_need_problems(bodies, loads),
         *_interference_problems(contacts, loads),
         *_side_problems(contacts, supports, loads, symmetry),
         *_axis_problems(symmetry),
@@ -88,33 +80,29 @@ def cross_problems(
     ]
 
 
+def _surfaces(contacts: Mapping[str, Contact]) -> Iterator[tuple[tuple[str, str, str], str]]:
+    """Surfaces of contacts, by their keys."""
+    for name, contact in contacts.items():
+        yield ("contacts", name, "surface1"), contact.surface1
+        yield ("contacts", name, "surface2"), contact.surface2
+
+
 def _surface_problems(contacts: Mapping[str, Contact]) -> Iterator[Problem]:
     used: dict[str, str] = {}
-    for name, contact in contacts.items():
-        for side in ("surface1", "surface2"):
-            surface = getattr(contact, side)
-            if surface in used:
-                yield Problem(
-                    ("contacts", name, side),
-                    f"expected a surface of its own, found {surface!r}, which is already "
-                    f"{used[surface]}",
-                )
-            used.setdefault(surface, f"contacts.{name}.{side}")
+    for key, surface in _surfaces(contacts):
+        if surface in used:
+            text = f"expected a surface of its own, found {surface!r}, which is already "
+            yield Problem(key, text + used[surface])
+        used.setdefault(surface, ".".join(key))
 
 
 def _held_surface_problems(
     contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
     """Contact surfaces that are held or moved: only contact may hold them."""
-    used = {
-        getattr(contact, side): f"contacts.{name}.{side}"
-        for name, contact in contacts.items()
-        for side in ("surface1", "surface2")
-    }
+    used = {surface: ".".join(key) for key, surface in _surfaces(contacts)}
     held = [("supports", name, each.boundary) for name, each in supports.items()]
-    held += [
-        ("loads", name, load.boundary) for name, load in loads.items() if isinstance(load, MOVES)
-    ]
+    held += [("loads", name, load.on) for name, load in loads.items() if load.moves]
     for table, name, boundary in held:
         if boundary in used:
             yield Problem(
@@ -128,24 +116,17 @@ def _platens(loads: Mapping[str, Load]) -> dict[str, str]:
     """Platen boundaries and the first load of each."""
     platens: dict[str, str] = {}
     for name, load in loads.items():
-        if isinstance(load, PlatenLoad | TiltLoad):
-            platens.setdefault(load.boundary, name)
+        if load.rigid:
+            platens.setdefault(load.on, name)
     return platens
 
 
 def _platen_problems(
     contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
-    uses: list[tuple[Key, str]] = []
-    for name, contact in contacts.items():
-        uses.append((("contacts", name, "surface1"), contact.surface1))
-        uses.append((("contacts", name, "surface2"), contact.surface2))
+    uses: list[tuple[Key, str]] = [*_surfaces(contacts)]
     uses += [(("supports", name, "boundary"), each.boundary) for name, each in supports.items()]
-    uses += [
-        (("loads", name, "boundary"), load.boundary)
-        for name, load in loads.items()
-        if isinstance(load, MOVES)
-    ]
+    uses += [(("loads", name, "boundary"), load.on) for name, load in loads.items() if load.moves]
     platens = _platens(loads)
     for key, boundary in uses:
         if boundary in platens:
@@ -162,7 +143,7 @@ def _platen_direction_problems(loads: Mapping[str, Load]) -> Iterator[Problem]:
     for kind, key in ((PlatenLoad, "direction"), (TiltLoad, "axis")):
         own = [(name, load) for name, load in loads.items() if isinstance(load, kind)]
         for (name1, load1), (name2, load2) in combinations(own, 2):
-            if load1.boundary != load2.boundary:
+            if load1.on != load2.on:
                 continue
             found1, found2 = getattr(load1, key), getattr(load2, key)
             vectors = (unit_vector(each, 3) for each in (found1, found2))
@@ -171,12 +152,12 @@ def _platen_direction_problems(loads: Mapping[str, Load]) -> Iterator[Problem]:
                 yield Problem(
                     ("loads", name2, key),
                     f"expected {'an' if key == 'axis' else 'a'} {key} at right angles to that of "
-                    f"loads.{name1} on the same platen {load1.boundary!r}, found {_shown(found2)} "
+                    f"loads.{name1} on the same platen {load1.on!r}, found {_shown(found2)} "
                     f"and {_shown(found1)}",
                 )
 
 
-def _shown(direction: str | tuple[float, ...]) -> str:
+def _shown(direction: Along) -> str:
     if isinstance(direction, str):
         return repr(direction)
     return "[" + ", ".join(f"{component:.6g}" for component in direction) + "]"
@@ -186,50 +167,29 @@ def _displacement_problems(
     supports: Mapping[str, Support], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
     """Components of a boundary that are prescribed twice."""
-    used = {
+    used: dict[tuple[str, Along], str] = {
         (support.boundary, axis): f"supports.{name}"
         for name, support in supports.items()
         for axis in support.fix
     }
     for name, load in loads.items():
-        if not isinstance(load, MOVES):
+        if not load.moves:
             continue
-        key, axes = "boundary", AXES
-        if isinstance(load, DisplacementLoad):
-            key, axes = "direction", (load.direction,)
-        for axis in axes:
-            component = (load.boundary, axis)
+        for axis in AXES if load.along is None else (load.along,):
+            component = (load.on, axis)
             if component in used:
                 yield Problem(
-                    ("loads", name, key),
-                    f"expected a free component, found {axis!r} of {load.boundary!r}, which "
+                    ("loads", name, "boundary" if load.along is None else "direction"),
+                    f"expected a free component, found {axis!r} of {load.on!r}, which "
                     f"{used[component]} prescribes already",
                 )
             used.setdefault(component, f"loads.{name}")
 
 
-def _density_problems(
-    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
-) -> Iterator[Problem]:
-    missing = [f"bodies.{name}.density" for name, body in bodies.items() if body.density is None]
+def _body_problems(bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]) -> Iterator[Problem]:
+    """Loads in bodies that are not there."""
     for name, load in loads.items():
-        if isinstance(load, RotationLoad | AccelerationLoad) and missing:
-            article = "a" if isinstance(load, RotationLoad) else "an"
-            yield Problem(
-                ("loads", name),
-                f"{article} {load.type} needs the density of every body, missing: "
-                f"{', '.join(missing)}",
-            )
-
-
-def _strained_body_problems(
-    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
-) -> Iterator[Problem]:
-    """Initial strains of bodies that are not there."""
-    for name, load in loads.items():
-        if not isinstance(load, TemperatureLoad | TemperatureFieldLoad | EigenstrainLoad):
-            continue
-        for number, body in enumerate(load.bodies or ()):
+        for number, body in enumerate(load.within or ()):
             if body not in bodies:
                 expected = ", ".join(map(repr, bodies)) or "none"
                 yield Problem(
@@ -238,25 +198,21 @@ def _strained_body_problems(
                 )
 
 
-def _temperature_problems(
-    bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]
-) -> Iterator[Problem]:
-    """Temperatures of bodies whose expansion is not known."""
+def _need_problems(bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]) -> Iterator[Problem]:
+    """Constants of bodies that loads need and that are not known."""
     for name, load in loads.items():
-        if not isinstance(load, TemperatureLoad | TemperatureFieldLoad):
-            continue
         missing = [
             f"bodies.{body}.{key}"
             for body in bodies
-            if load.bodies is None or body in load.bodies
-            for key in ("expansion", "reference_temperature")
+            if load.within is None or body in load.within
+            for key in load.needs
             if getattr(bodies[body], key) is None
         ]
         if missing:
             yield Problem(
                 ("loads", name),
-                "a temperature needs expansion and reference_temperature of every body that it "
-                f"acts on, missing: {', '.join(missing)}",
+                f"{load.title} needs the {' and '.join(load.needs)} of every body that it acts on, "
+                f"missing: {', '.join(missing)}",
             )
 
 
@@ -264,9 +220,9 @@ def _interference_problems(
     contacts: Mapping[str, Contact], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
     for name, load in loads.items():
-        if isinstance(load, InterferenceLoad) and load.contact not in contacts:
+        if load.closes and load.closes not in contacts:
             expected = ", ".join(map(repr, contacts)) or "none"
-            text = f"expected one of the contacts {expected}, found {load.contact!r}"
+            text = f"expected one of the contacts {expected}, found {load.closes!r}"
             yield Problem(("loads", name, "contact"), text)
 
 
@@ -277,15 +233,10 @@ def _side_problems(
     symmetry: Mapping[str, Symmetry],
 ) -> Iterator[Problem]:
     """Sides of a sector that are something else too: only the neighbours may act on them."""
-    used = {
-        getattr(contact, side): f"contacts.{name}.{side}"
-        for name, contact in contacts.items()
-        for side in ("surface1", "surface2")
-    }
+    used = {surface: ".".join(key) for key, surface in _surfaces(contacts)}
     used |= {each.boundary: f"supports.{name}.boundary" for name, each in supports.items()}
     for name, load in loads.items():
-        if (boundary := getattr(load, "boundary", None)) is not None:
-            used[boundary] = f"loads.{name}.boundary"
+        used[load.on] = f"loads.{name}.boundary"
     for name, sector in symmetry.items():
         for key in ("boundary1", "boundary2"):
             side = getattr(sector, key)
@@ -345,7 +296,7 @@ def _same_axis(one: RotationLoad | Symmetry, other: Symmetry) -> bool:
     return distance <= SAME_AXIS * max(math.hypot(*first), math.hypot(*second))
 
 
-def _parallel(one: str | tuple[float, ...], other: str | tuple[float, ...]) -> bool:
+def _parallel(one: Along, other: Along) -> bool:
     return math.hypot(*_cross(unit_vector(one, 3), unit_vector(other, 3))) < ORTHOGONALITY
 
 
@@ -417,6 +368,11 @@ class Case(Table):
         return self
 
     @property
+    def cut_loads(self) -> dict[str, FieldLoad]:
+        """Loads that move the cut boundaries of a part as another run does, by name."""
+        return {name: load for name, load in self.loads.items() if isinstance(load, FieldLoad)}
+
+    @property
     def source(self) -> Path:
         """The case file; what it names is relative to its folder."""
         return self._source
@@ -449,8 +405,7 @@ class Case(Table):
         Supports alone do not: then a case of solids may lack its extrusion.
         """
         for name, load in self.loads.items():
-            direction = getattr(load, "direction", None)
-            if direction == "z" or (isinstance(direction, tuple) and any(direction[2:])):
+            if load.along == "z" or (isinstance(load.along, tuple) and any(load.along[2:])):
                 yield "loads", name, "direction"
         for name, body in self.bodies.items():
             if couples_across(body):

@@ -12,20 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from fretfe.case.base import AXES, Name, Table
 from fretfe.case.bodies import AnyBody, isotropic
-from fretfe.case.loads import (
-    AnyLoad,
-    ChannelAtPoints,
-    EigenstrainLoad,
-    FieldLoad,
-    ForceLoad,
-    InterferenceLoad,
-    Load,
-    RotationLoad,
-    ShapeLoad,
-    TemperatureFieldLoad,
-    TemperatureLoad,
-    TiltLoad,
-)
+from fretfe.case.loads import Along, AnyLoad, Load
 from fretfe.case.materials import with_constants
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
@@ -181,16 +168,6 @@ def named_files(case: Case) -> dict[Key, Path]:
     }
 
 
-WITHOUT_DIRECTION = (
-    RotationLoad
-    | TiltLoad
-    | TemperatureLoad
-    | EigenstrainLoad
-    | InterferenceLoad
-    | ShapeLoad
-    | FieldLoad
-    | TemperatureFieldLoad
-)
 # Added to a complaint about a direction or a place.
 PLANE = "; the mesh is plane, and [geometry.solid] would extrude it"
 SOLID = "; the bodies are solid"
@@ -232,10 +209,10 @@ def _misfits(case: Case, dimension: int) -> Iterator[Problem]:
             yield Problem(key, _miscounted(dimension, place))
     if dimension < components:
         yield from _in_plane_only(case)
-    turning: list[tuple[Key, str | tuple[float, ...]]] = [
-        (("loads", name, "axis"), load.axis)
+    turning: list[tuple[Key, Along]] = [
+        (("loads", name, "axis"), load.about)
         for name, load in case.loads.items()
-        if isinstance(load, RotationLoad | TiltLoad)
+        if load.about is not None
     ]
     turning += [(("symmetry", name, "axis"), each.axis) for name, each in case.symmetry.items()]
     for key, axis in turning:
@@ -260,8 +237,8 @@ def _in_plane_only(case: Case) -> Iterator[Problem]:
         yield from (Problem(key, text + PLANE) for key in keys)
     because = f"displacements along z, which {'.'.join(map(str, keys[0]))} brings in"
     for name, load in case.loads.items():
-        if isinstance(load, ShapeLoad | FieldLoad):
-            text = f"expected a load with {because}, found a {load.type}, which has none of them"
+        if load.by_shape:
+            text = f"expected a load with {because}, found {load.title}, which has none of them"
             yield Problem(("loads", name, "type"), text)
 
 
@@ -277,29 +254,25 @@ def _plane_only(case: Case) -> Iterator[Problem]:
         yield Problem(("model", "thickness"), f"expected 1 on a mesh of solids, found {found}")
 
 
-def _is_axis(axis: str | tuple[float, ...], dimension: int) -> bool:
+def _is_axis(axis: Along, dimension: int) -> bool:
     """True if bodies can turn about an axis: in the plane about z only."""
     if isinstance(axis, str):
         return dimension == 3 or axis == "z"
     return len(axis) == 3 and (dimension == 3 or axis[:2] == (0, 0))
 
 
-def _directions(case: Case) -> Iterator[tuple[Key, str | tuple[float, ...]]]:
+def _directions(case: Case) -> Iterator[tuple[Key, Along]]:
     for name, support in case.supports.items():
         yield from ((("supports", name, "fix", i), axis) for i, axis in enumerate(support.fix))
         if support.direction is not None:
             yield ("supports", name, "direction"), support.direction
     for name, load in case.loads.items():
-        if not isinstance(load, WITHOUT_DIRECTION):
-            yield ("loads", name, "direction"), load.direction
+        if load.along is not None:
+            yield ("loads", name, "direction"), load.along
 
 
 def _places(case: Case) -> Iterator[tuple[Key, tuple[float, ...]]]:
     for name, sector in case.symmetry.items():
         yield ("symmetry", name, "centre"), sector.centre
     for name, load in case.loads.items():
-        if isinstance(load, ChannelAtPoints):
-            points = enumerate(load.points or ())
-            yield from ((("loads", name, "points", i), point) for i, point in points)
-        if isinstance(load, RotationLoad | TiltLoad | ForceLoad) and load.centre is not None:
-            yield ("loads", name, "centre"), load.centre
+        yield from ((("loads", name, *key), place) for key, place in load.places.items())

@@ -104,7 +104,7 @@ def run(
 
 def _reader(path: Path, overrides: list[str] | None, *, trust_geo: bool) -> Callable[[], Case]:
     """Reader of a case file, with values in place of its own, and of the files of its loads."""
-    from fretfe.bodies.load_files import checked_history
+    from fretfe.bodies.loads.files import checked_history
     from fretfe.case import load_case, parse_assignments
 
     assigned = parse_assignments(overrides or ())

@@ -17,16 +17,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, contact_modulus, unit_vector
 from fretfe.case import Contact as ContactTable
-from fretfe.case.loads import (
-    AccelerationLoad,
-    DisplacementLoad,
-    FieldLoad,
-    ForceLoad,
-    PlatenLoad,
-    RotationLoad,
-    ShapeLoad,
-    TractionLoad,
-)
+from fretfe.case.loads import Push
 from fretfe.errors import MeshError
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.factors import WANTED_NODES
@@ -35,7 +26,7 @@ from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.sizing import FinePlaces
 from fretfe.surface.checks import InitialGap, initial_gaps
 from fretfe.surface.surface import Surface, build_surface
@@ -612,7 +603,7 @@ def _normal_force(
     case: Case, mesh: Mesh, history: History, contact: str, initial: InitialGap, normal: Array
 ) -> Array | None:
     """(T,) normal force P per unit thickness; None if equilibrium alone does not give it."""
-    if any(isinstance(each, RotationLoad | AccelerationLoad) for each in case.loads.values()):
+    if any(each.body_force for each in case.loads.values()):
         return None
     for surface, sign in ((initial.surface1, -1.0), (initial.surface2, 1.0)):
         own = mesh.bodies[surface.body].boundaries
@@ -638,16 +629,18 @@ def _held(case: Case, own: set[str], normal: Array) -> bool:
     ]
     platens: dict[str, Array] = {}
     for load in case.loads.values():
-        if isinstance(load, ShapeLoad | FieldLoad) and load.boundary in own:
-            return True
-        if not isinstance(load, DisplacementLoad | PlatenLoad) or load.boundary not in own:
+        if load.on not in own or not (load.moves or load.rigid):
             continue
-        direction = np.array(unit_vector(load.direction, 3))
-        if isinstance(load, DisplacementLoad) or load.control == "displacement":
-            held.append(tuple(direction))
-        if isinstance(load, PlatenLoad):
-            free = platens.get(load.boundary, normal)
-            platens[load.boundary] = free - (free @ direction) * direction
+        if load.by_shape:
+            return True
+        free = platens.get(load.on, normal)
+        if load.along is not None:
+            direction = np.array(unit_vector(load.along, 3))
+            free = free - (free @ direction) * direction
+            if load.push is None:
+                held.append(tuple(direction))
+        if load.rigid:
+            platens[load.on] = free
     # What is left of the normal is a direction in which a platen is guided.
     directions = [*map(np.array, held), *platens.values()]
     return any(abs(float(normal @ direction)) > PARALLEL for direction in directions)
@@ -658,26 +651,26 @@ def _force(case: Case, mesh: Mesh, history: History, body: str) -> Array:
     total = np.zeros((len(history.times), mesh.dimension))
     own = mesh.bodies[body].boundaries
     for name, load in case.loads.items():
-        if not isinstance(load, PlatenLoad | ForceLoad | TractionLoad) or load.boundary not in own:
+        if load.push is None or load.on not in own:
             continue
-        values = history.values[:, history.channels.index(name)]
-        if isinstance(load, PlatenLoad | ForceLoad):
-            if isinstance(load, ForceLoad) or load.control == "force":
-                direction = np.array(unit_vector(load.direction, 3)[: mesh.dimension])
-                total += np.outer(values, direction / case.model.thickness)
-        else:
-            total += np.outer(values, _resultant(load, mesh, body))
+        force = (
+            np.array(unit_vector(load.push.direction, 3)[: mesh.dimension]) / case.model.thickness
+            if load.push.total
+            else _resultant(load.push, mesh.bodies[body], load.on)
+        )
+        total += np.outer(history.values[:, history.channels.index(name)], force)
     return total
 
 
-def _resultant(load: TractionLoad, mesh: Mesh, body: str) -> Array:
+def _resultant(push: Push, body: BodyMesh, boundary: str) -> Array:
     """(d,) force of a unit traction; NaN if it varies, or its boundary is no single surface."""
-    if load.at_points:
-        return np.full(mesh.dimension, np.nan)
+    dimension = body.points.shape[1]
+    if not push.uniform:
+        return np.full(dimension, np.nan)
     try:
-        surface = build_surface(mesh.bodies[body], load.boundary)
+        surface = build_surface(body, boundary)
     except MeshError:
-        return np.full(mesh.dimension, np.nan)
-    if load.direction == "normal":
+        return np.full(dimension, np.nan)
+    if push.direction == "normal":
         return np.asarray(surface.measures @ surface.normals.mean(axis=1))
-    return surface.measures.sum() * np.array(unit_vector(load.direction, 3)[: mesh.dimension])
+    return surface.measures.sum() * np.array(unit_vector(push.direction, 3)[:dimension])

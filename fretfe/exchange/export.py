@@ -20,7 +20,6 @@ from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.evaluate.stress import StressParameters
 from fretfe.files import disk_reason, replacing
 from fretfe.history.solution import ContactHistory
-from fretfe.report.source import load_unit
 from fretfe.results import tables
 from fretfe.results.field_files import in_space
 from fretfe.results.model import Result
@@ -179,7 +178,8 @@ def headings(columns: Iterable[Column], units: Units, *, solid: bool) -> list[He
 
 def _loads(result: Result) -> ExportTable:
     loads = result.loads
-    units = [load_unit(result.case, name).replace("·", "*") for name in loads.channels]
+    known, labels = result.case.loads, result.case.units
+    units = [known[name].unit(labels).replace("·", "*") for name in loads.channels]
     named = [
         Heading(name, unit, "value of the load of this name")
         for name, unit in zip(loads.channels, units, strict=True)

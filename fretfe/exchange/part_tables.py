@@ -13,15 +13,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import Case
 from fretfe.case.base import CAD, file_kind
-from fretfe.case.loads import (
-    DisplacementLoad,
-    FieldLoad,
-    ForceLoad,
-    InterferenceLoad,
-    Load,
-    ShapeLoad,
-    TractionLoad,
-)
+from fretfe.case.loads import Load
 from fretfe.errors import CaseError
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh
@@ -179,24 +171,22 @@ class PartTables:
         Raises:
             CaseError: if it does, but cannot act on a part of its boundary.
         """
-        if isinstance(load, InterferenceLoad):
-            return load.contact == self._pair
-        boundary = getattr(load, "boundary", None)
-        if boundary is None:  # in the volume
-            bodies = getattr(load, "bodies", None) or tuple(self._case.bodies)
+        if load.closes:
+            return load.closes == self._pair
+        if not load.on:  # in the volume
+            bodies = load.within or tuple(self._case.bodies)
             surfaces = getattr(load, "surfaces", None)
             return any(body in self._part.bodies for body in bodies) and (
                 surfaces is None or any(map(self._has, surfaces))
             )
         cuts = [cut_name(body) for body in self._part.bodies]
-        if not self._has(boundary) or (isinstance(load, FieldLoad) and boundary in cuts):
+        if not self._has(load.on) or (name in self._case.cut_loads and load.on in cuts):
             return False
-        anywhere = TractionLoad | DisplacementLoad | ShapeLoad | FieldLoad
-        if not isinstance(load, anywhere) and not self._whole(boundary):
-            kind = "a force spread over" if isinstance(load, ForceLoad) else "one rigid piece,"
+        if load.undivided and not self._whole(load.on):
             raise CaseError(
-                f"--radius: expected all or nothing of the boundary {boundary!r} within the part, "
-                f"because loads.{name} is {kind} all of it, found a part of it: take another radius"
+                f"--radius: expected all or nothing of the boundary {load.on!r} within the part, "
+                f"because loads.{name} is {load.undivided} all of it, found a part of it: take "
+                "another radius"
             )
         return True
 

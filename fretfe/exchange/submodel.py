@@ -19,7 +19,6 @@ import tomli_w
 
 from fretfe.case import Case, parse_case
 from fretfe.case.base import CAD, file_kind
-from fretfe.case.loads import FieldLoad
 from fretfe.errors import CaseError, OutputError
 from fretfe.exchange.part_place import place_of, reach_of, require_fields, require_one_contact
 from fretfe.exchange.part_tables import HISTORY, POSITION, TIME, PartTables, finer_tables
@@ -135,7 +134,7 @@ def _history(result: Result, case: Case) -> str:
     """Times of the states of a run, the same as positions in it, and the values of its loads."""
     loads = result.loads
     kept = [n for n, name in enumerate(loads.channels)
-            if name in case.loads and not isinstance(case.loads[name], FieldLoad)]  # fmt: skip
+            if name in case.loads and name not in case.cut_loads]  # fmt: skip
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([TIME, POSITION, *(loads.channels[n] for n in kept)])

@@ -30,8 +30,8 @@ from scipy.linalg import qr
 from fretfe._typing import Array, Indices
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie
+from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.bodies.rigid_modes import rigid_motions
-from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
 from fretfe.fem.elasticity import ElasticBody, PlacedNodes
@@ -81,7 +81,7 @@ class Body:
     Args:
         elastic: space and operators of the body.
         constraints: in order of precedence: where boundaries share a node, the first one moves it.
-        loads: distributed loads.
+        loads: spread loads.
         surface_points: (p, gdim) displacement points of the contact surfaces.
         operator: (n, p*c) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
@@ -91,7 +91,7 @@ class Body:
 
     Attributes:
         elastic: space and operators of the body.
-        loads: distributed loads.
+        loads: spread loads.
         surface_unknowns: (p*c,) global numbers of the displacements of the surface points.
         condensed: on rank 0, None elsewhere.
     """
@@ -100,7 +100,7 @@ class Body:
         self,
         elastic: ElasticBody,
         constraints: list[Constraint],
-        loads: list[DistributedLoad],
+        loads: list[SpreadLoad],
         surface_points: Array,
         operator: sparse.csr_matrix,
         clock: Clock,

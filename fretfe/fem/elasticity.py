@@ -27,9 +27,8 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.crystals import PAIRS, VOIGT
+from fretfe.bodies.loads.spread import SpreadLoad, SurfaceTraction
 from fretfe.bodies.material import Material
-from fretfe.bodies.point_values import PointValues
-from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.fem._compat import (
     MPI,
     PETSc,
@@ -340,7 +339,7 @@ class ElasticBody:
     def _force_form(self) -> fem.Form:
         return compiled(self.comm, fem.form, self._energy(self._given))
 
-    def load_vector(self, load: DistributedLoad) -> PETSc.Vec:
+    def load_vector(self, load: SpreadLoad) -> PETSc.Vec:
         """Nodal forces of a load of unit amplitude; zero if its boundary is on another body."""
         test = ufl.TestFunction(self.space)
         initial = self.initial_stress(load)
@@ -350,40 +349,43 @@ class ElasticBody:
         force = self.body_force(load)
         if force is not None:
             return assemble_vector(compiled(self.comm, fem.form, ufl.inner(force, test) * ufl.dx))
-        if load.boundary not in self.groups:
+        given = load.traction
+        if given is None or given.boundary not in self.groups:
             zero = fem.Function(self.space)  # owns the memory that its vector views
             return zero.x.petsc_vec.copy()
-        measure = ufl.Measure("ds", self.mesh, subdomain_data=self.facet_tags)
-        if load.kind == "normal":
-            traction = padded(ufl.FacetNormal(self.mesh), self.components)
-        else:
-            traction = fem.Constant(self.mesh, np.array(load.direction[: self.components]))
-        if load.at_points is not None:
-            traction = self._factors(load, load.at_points) * traction
-        if load.kind == "force":
-            traction, measure = self._even(load, measure)
-        form = ufl.inner(traction, test) * measure(self.groups[load.boundary])
+        traction, measure = self._traction(given)
+        form = ufl.inner(traction, test) * measure(self.groups[given.boundary])
         return assemble_vector(compiled(self.comm, fem.form, form))
 
-    def _even(self, load: DistributedLoad, measure: ufl.Measure) -> tuple[Any, ufl.Measure]:
-        """Traction (c,) of a force on its part of a boundary, and the measure to integrate it.
+    def _traction(self, given: SurfaceTraction) -> tuple[Any, ufl.Measure]:
+        """Traction (c,) on a boundary of the body, and the measure to integrate it."""
+        measure = ufl.Measure("ds", self.mesh, subdomain_data=self.facet_tags)
+        if given.even:
+            return self._even(given, measure)
+        traction = padded(ufl.FacetNormal(self.mesh), self.components)
+        if given.direction:
+            traction = fem.Constant(self.mesh, np.array(given.direction[: self.components]))
+        return traction if given.factors is None else self._factors(given) * traction, measure
+
+    def _even(self, given: SurfaceTraction, measure: ufl.Measure) -> tuple[Any, ufl.Measure]:
+        """A traction whose resultant is one, on its part of a boundary.
 
         The area is that by the same points of integration: the force is exact.
         """
         part: Any = fem.Constant(self.mesh, 1.0)
-        if load.radius:
+        if given.radius:
             away = ufl.SpatialCoordinate(self.mesh) - fem.Constant(
-                self.mesh, np.array(load.centre[: self.gdim])
+                self.mesh, np.array(given.centre[: self.gdim])
             )
-            limit = fem.Constant(self.mesh, load.radius**2)
+            limit = fem.Constant(self.mesh, given.radius**2)
             part = ufl.conditional(ufl.le(ufl.inner(away, away), limit), 1.0, 0.0)
             measure = measure(metadata={"quadrature_degree": PART_DEGREE})
-        form = compiled(self.comm, fem.form, part * measure(self.groups[load.boundary]))
+        form = compiled(self.comm, fem.form, part * measure(self.groups[given.boundary]))
         area = self.comm.allreduce(fem.assemble_scalar(form))
-        direction = np.array(load.direction[: self.components]) / area
+        direction = np.array(given.direction[: self.components]) / area
         return part * fem.Constant(self.mesh, direction), measure
 
-    def initial_stress(self, load: DistributedLoad) -> fem.Function | None:
+    def initial_stress(self, load: SpreadLoad) -> fem.Function | None:
         """Stress (3, 3) of the initial strain of a unit of a load in the body, None without any.
 
         It is linear between the corners of elements, as the strain is that displacements of
@@ -399,7 +401,7 @@ class ElasticBody:
             found.x.array[:] = self.material.initial_stress(strain).ravel()
         return self._initial_stresses[load.label]
 
-    def body_force(self, load: DistributedLoad) -> fem.Function | None:
+    def body_force(self, load: SpreadLoad) -> fem.Function | None:
         """Force per volume (c,) of a unit of a load, None without any.
 
         It is linear in the place, as the space is in which the places of elements lie.
@@ -412,14 +414,15 @@ class ElasticBody:
         found.x.array.reshape(-1, self.components)[:, : force.shape[1]] = force
         return found
 
-    def _factors(self, load: DistributedLoad, given: PointValues) -> fem.Function:
-        """Values at points of a traction, at the nodes of its boundary."""
+    def _factors(self, given: SurfaceTraction) -> fem.Function:
+        """Factors of a traction at the nodes of its boundary."""
+        assert given.factors is not None
         space = fem.functionspace(self.mesh, ("Lagrange", self.degree))
-        facets = self.boundary_facets(load.boundary)
+        facets = self.boundary_facets(given.boundary)
         nodes = fem.locate_dofs_topological(space, self.mesh.topology.dim - 1, facets)
         factors = fem.Function(space)
         places = space.tabulate_dof_coordinates()[nodes, : self.gdim]
-        factors.x.array[nodes] = given.at(places)
+        factors.x.array[nodes] = given.factors.at(places)
         return factors
 
     def element_nodes(self) -> Array:

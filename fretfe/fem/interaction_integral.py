@@ -16,7 +16,7 @@ from dolfinx import fem
 from ufl.algorithms.analysis import extract_coefficients, extract_constants
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.spread_loads import DistributedLoad
+from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.fem._compat import ElementVectors, entity_nodes, exterior_sides
 from fretfe.fem.elasticity import (
     CrystalElasticity,
@@ -207,7 +207,7 @@ class InteractionForm:
         elastic: the body.
         surfaces: names of its contact surfaces.
         upper: whether it is body 1 of the contact.
-        loads: distributed loads, whose initial strains and body forces count.
+        loads: spread loads, whose initial strains and body forces count.
         oscillation: epsilon of full stick with the other body; zero if that is similar.
         excess: of the first Lamé constant of the body over the mean of both; counts in space where
             epsilon is not zero.
@@ -218,7 +218,7 @@ class InteractionForm:
         elastic: ElasticBody,
         surfaces: list[str],
         upper: bool,
-        loads: Sequence[DistributedLoad] = (),
+        loads: Sequence[SpreadLoad] = (),
         oscillation: float = 0.0,
         excess: float = 0.0,
     ) -> None:

@@ -13,10 +13,9 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.definition import BodyDefinition, Pair
-from fretfe.bodies.spread_loads import DistributedLoad
+from fretfe.bodies.loads.strain import heatings
 from fretfe.case import Case, isotropic
 from fretfe.case.bodies import OverTemperature
-from fretfe.case.loads import InterferenceLoad
 from fretfe.caution import Kind
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
@@ -180,21 +179,18 @@ def _at_other_temperatures(
     states = cycle_states(solution.cycle) if solution.cycle is not None else [-1]
     for body in (history.body1, history.body2):
         curve = case.given.young.get(body) if case.given is not None else None
-        heated = [
-            each
-            for each in model.reduction.definition.loads
-            if each.kind == "temperature" and each.strains(body)
-        ]
+        heated = heatings(model.reduction.definition.loads, body)
         used, start = case.bodies[body].temperature, case.bodies[body].reference_temperature
         if curve is None or not heated or used is None or start is None:
             continue
-        low, high = np.full((2, len(history.surface.points)), start)
+        points = history.surface.points
+        low, high = np.full((2, len(points)), start)
         for name in dict.fromkeys(each.channel for each in heated):
             parts = loads.values[states, loads.channels.index(name)]
             change = sum(
-                np.outer(each.amplitudes(parts), _change(each, body, history.surface.points, start))
-                for each in heated
-                if each.channel == name
+                np.outer(one.amplitudes(parts), one.temperature_change(body, start, points))
+                for one in heated
+                if one.channel == name
             )
             low, high = low + np.min(change, axis=0), high + np.max(change, axis=0)
         yield ModelLimit(
@@ -216,14 +212,6 @@ def _at_other_temperatures(
             f"the surface is at {low.min():.4g} to {high.max():.4g} °C, the table reaches from "
             f"{first:g} to {last:g} °C",
         )
-
-
-def _change(load: DistributedLoad, body: str, points: Array, start: float) -> Array:
-    """(N,) change of the temperature of a body at points, from that of reference, for a unit."""
-    if body in load.changes:
-        return load.changes[body].at(points)
-    assert load.at_points is not None
-    return load.at_points.at(points) - start
 
 
 def _largest_change(curve: OverTemperature, low: float, high: float, used: float) -> float:
@@ -306,11 +294,7 @@ def _offset(
     case: Case, history: ContactHistory, solution: Solution, motion: Motion
 ) -> Iterator[ModelLimit]:
     """An overlap moves surfaces along their normals and leaves them as curved as they are."""
-    names = [
-        name
-        for name, load in case.loads.items()
-        if isinstance(load, InterferenceLoad) and load.contact == history.name
-    ]
+    names = [name for name, load in case.loads.items() if load.closes == history.name]
     if names:
         loads = solution.loads
         overlap = sum(loads.values[:, loads.channels.index(name)] for name in names)

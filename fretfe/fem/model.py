@@ -18,12 +18,9 @@ from fretfe.bodies.definition import (
     BodyDefinition,
     ModelDefinition,
     Pair,
-    across_notes,
     contact_surfaces,
     couple_contacts,
-    cut_notes,
-    layer_notes,
-    side_notes,
+    model_notes,
 )
 from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
@@ -118,11 +115,9 @@ class Model:
             pairs = on_root(comm, lambda: couple_contacts(case, surfaces, components), share=False)
             self.on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs))  # type: ignore[arg-type]
         why = unsymmetric_because()
-        layers = on_root(comm, lambda: layer_notes(case, definition, mesh))  # type: ignore[arg-type]
-        sides = on_root(comm, lambda: side_notes(definition))
+        notes = on_root(comm, lambda: model_notes(case, definition, mesh))  # type: ignore[arg-type]
         larger = (f"{LARGER_FACTORS}: {why}",) if why else ()
-        across = across_notes(case, self.dimension)
-        self.notes: tuple[str, ...] = (*larger, *across, *layers, *sides, *cut_notes(definition))
+        self.notes: tuple[str, ...] = (*larger, *notes)
         self.forms: Forms = {}
         self._definition = definition
         work = comm.bcast(_work(definition, mesh, case.model.degree) if mesh else None)
@@ -269,15 +264,16 @@ def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:
 
 
 def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
-    """Loads of every step of a history; forces are per unit thickness."""
+    """Loads of every step of a history; total forces become those per unit thickness."""
+    thickness = case.model.thickness
     values = dict(zip(history.channels, history.values.T, strict=True))
     count = len(history.times)
     amplitudes = [
-        load.amplitudes(values[load.channel]) / _per_thickness(case, load.kind)
+        load.amplitudes(values[load.channel]) / (thickness if load.total else 1.0)
         for load in reduction.definition.loads
     ]
     moved = [
-        c.amplitudes(values[c.channel]) / _per_thickness(case, c.control)
+        c.amplitudes(values[c.channel]) / (thickness if c.control == "force" else 1.0)
         if c.channel
         else np.zeros(count)
         for c in reduction.interface.coordinates
@@ -291,11 +287,6 @@ def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
         ),
         within=lambda steps, shares: step_loads(case, history.divided(steps, shares), reduction),
     )
-
-
-def _per_thickness(case: Case, control: str) -> float:
-    """Forces are given for the whole thickness; displacements and tractions are not divided."""
-    return case.model.thickness if control == "force" else 1.0
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from scipy.linalg.lapack import dpstrf
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import Pair
-from fretfe.bodies.spread_loads import DistributedLoad
+from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, coordinate_range
 from fretfe.fem.condensation import CondensedBody
 
@@ -81,7 +81,7 @@ def build_interface(
     bodies: list[CondensedBody],
     pairs: list[Pair],
     coordinates: list[Coordinate],
-    loads: Sequence[DistributedLoad] = (),
+    loads: Sequence[SpreadLoad] = (),
 ) -> tuple[Interface, dict[str, ReducedBody]]:
     """Assemble the interface problem.
 
@@ -89,7 +89,7 @@ def build_interface(
         bodies: condensed bodies.
         pairs: contact pairs.
         coordinates: one for each constraint of each body, in the order of `bodies`.
-        loads: distributed loads, of which interferences close gaps whatever the bodies do.
+        loads: spread loads, of which interferences close gaps whatever the bodies do.
 
     Returns:
         The interface problem, whose coordinates include the rigid modes, and the reduced bodies.
@@ -111,8 +111,8 @@ def build_interface(
         body.add_to(system, coordinate_range(everything, name))
     nodes = _node_ranges(pairs)
     for number, load in enumerate(loads):
-        if load.contact:
-            rows = nodes[load.contact]
+        if load.closes:
+            rows = nodes[load.closes]
             system["loads"][rows.start * d : rows.stop * d : d, number] -= roots[rows]
     if sum(body.held for body in bodies) > 1:
         decouple_dependent(system)

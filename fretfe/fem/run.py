@@ -16,8 +16,8 @@ import numpy as np
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.continued import continued_nodes
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
-from fretfe.bodies.load_files import checked_history
-from fretfe.case import Case, FieldLoad, Wave, case_notes
+from fretfe.bodies.loads.files import checked_history
+from fretfe.case import Case, Wave, case_notes
 from fretfe.contact.interface import Place, Resultant
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import extrapolate_slip, solve_history
@@ -128,19 +128,18 @@ def _cut_notes(case: Case, definition: ModelDefinition, solution: Solution) -> I
     force, moment = units.force, f"{units.force}·{units.length}"
     if not solid:
         force, moment = (f"{unit}/{units.length}" for unit in (force, moment))
-    for name, load in case.loads.items():
-        if isinstance(load, FieldLoad):
-            largest = []
-            for wanted in (Resultant(name, "force"), Resultant(name, "moment")):
-                given = {each.label for each in known if each.resultant == wanted}
-                columns = [label in given for label in solution.coordinates]
-                own = np.asarray(solution.forces)[:, columns]
-                largest.append(float(np.linalg.norm(own, axis=1).max()))
-            yield (
-                f"loads.{name}: the largest force on the cut is {largest[0]:.4g} {force}, the "
-                f"largest moment about the middle of its extent {largest[1]:.4g} {moment}; those "
-                "of the other run should be the same"
-            )
+    for name in case.cut_loads:
+        largest = []
+        for wanted in (Resultant(name, "force"), Resultant(name, "moment")):
+            given = {each.label for each in known if each.resultant == wanted}
+            columns = [label in given for label in solution.coordinates]
+            own = np.asarray(solution.forces)[:, columns]
+            largest.append(float(np.linalg.norm(own, axis=1).max()))
+        yield (
+            f"loads.{name}: the largest force on the cut is {largest[0]:.4g} {force}, the "
+            f"largest moment about the middle of its extent {largest[1]:.4g} {moment}; those "
+            "of the other run should be the same"
+        )
 
 
 def _without_states(comm: MPI.Comm, result: Result | None) -> Result:

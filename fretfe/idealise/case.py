@@ -11,9 +11,8 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import (
     Case,
-    PlatenLoad,
+    Load,
     Support,
-    TractionLoad,
     case_notes,
     isotropic,
     plane_modulus,
@@ -55,7 +54,9 @@ class Loading:
 
 def loading_obstacles(case: Case) -> Iterator[str]:
     """Reasons why the loads and supports of a case are not those of half-planes."""
-    yield from _load_obstacles(case)
+    for name, load in case.loads.items():
+        if obstacle := load.half_plane_obstacle(TOP, SIDES):
+            yield f"loads.{name}: {obstacle}"
     for key in case.moving_across():
         if key[0] != "bodies":  # said of crystals in any case
             yield f"{'.'.join(map(str, key))}: expected nothing that moves the bodies along z"
@@ -73,7 +74,7 @@ def loading_obstacles(case: Case) -> Iterator[str]:
         yield f"supports: expected {BOTTOM!r} to be fixed in y, so that the block does not bend"
     if not any("x" in components for components in fixed.values()) and _is_sheared(case):
         yield f"supports: expected {BOTTOM!r} or a side of the block to be fixed in x, found none"
-    sides = {load.boundary for load in _side_loads(case).values()}
+    sides = {load.on for load in _side_loads(case).values()}
     if sides and "x" in fixed.get(BOTTOM, set()):
         yield (
             f"supports: expected {BOTTOM!r} to be free in x under a bulk tension, found it fixed: "
@@ -89,34 +90,6 @@ def loading_obstacles(case: Case) -> Iterator[str]:
             f"loads: expected a force on {TOP!r} in x as well as {found} (0 will do): "
             "without one the shear force is an unknown reaction"
         )
-
-
-def _load_obstacles(case: Case) -> Iterator[str]:
-    """Loads that have no counterpart."""
-    for name, load in case.loads.items():
-        key = f"loads.{name}"
-        if isinstance(load, PlatenLoad) and load.boundary == TOP:
-            if load.control != "force":
-                yield f"{key}: expected control = 'force', found {load.control!r} (the approach "
-                "of half-planes is not determined)"
-        elif isinstance(load, TractionLoad) and load.at_points:
-            yield f"{key}: expected a uniform traction, found values at points"
-        elif isinstance(load, TractionLoad) and load.boundary in SIDES:
-            if not _along_x(load):
-                yield f"{key}: expected a bulk tension along x, found {load.direction!r}"
-        elif not (isinstance(load, TractionLoad) and load.boundary == TOP):
-            where = getattr(load, "boundary", "everywhere")
-            article = "an" if load.type[0] in "aei" else "a"
-            yield (
-                f"{key}: expected a platen force or a traction on {TOP!r}, or a tension on a side "
-                f"of the block, found {article} {load.type} ({where})"
-            )
-
-
-def _along_x(load: TractionLoad) -> bool:
-    if load.direction == "normal":
-        return True
-    return abs(unit_vector(load.direction, COMPONENTS)[1]) < 1e-9
 
 
 def _fixed(case: Case) -> dict[str, set[str]]:
@@ -165,25 +138,21 @@ def _kept(case: Case) -> float:
     return nu / (1 - nu) if case.model.plane == "strain" else nu
 
 
-def _side_loads(case: Case) -> dict[str, TractionLoad]:
+def _side_loads(case: Case) -> dict[str, Load]:
     return {
         name: load
         for name, load in case.loads.items()
-        if isinstance(load, TractionLoad) and load.boundary in SIDES
+        if load.half_plane and not load.rigid and load.on in SIDES
     }
 
 
-def _top_loads(case: Case) -> dict[str, PlatenLoad | TractionLoad]:
-    return {
-        name: load
-        for name, load in case.loads.items()
-        if isinstance(load, PlatenLoad | TractionLoad) and load.boundary == TOP
-    }
+def _top_loads(case: Case) -> dict[str, Load]:
+    return {name: load for name, load in case.loads.items() if load.half_plane and load.on == TOP}
 
 
 def _has_shear_load(case: Case) -> bool:
     """True if the force along x is given: by a load, or because a traction lets the top move."""
-    platens = [load for load in _top_loads(case).values() if isinstance(load, PlatenLoad)]
+    platens = [load for load in _top_loads(case).values() if load.rigid]
     along_x = any(abs(_direction(load)[0]) > 1e-9 for load in platens)
     return along_x or not platens
 
@@ -195,7 +164,7 @@ def _is_sheared(case: Case) -> bool:
 
 def guided(case: Case) -> bool:
     """True if the top of the upper body is a platen, which does not turn."""
-    return any(isinstance(load, PlatenLoad) for load in _top_loads(case).values())
+    return any(load.rigid for load in _top_loads(case).values())
 
 
 def read_loading(case: Case, history: History, block: Block) -> Loading:
@@ -211,12 +180,11 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
     force = np.zeros((COMPONENTS, len(history.times)))
     for name, load in _top_loads(case).items():
         # A traction acts on the whole top, a platen force is for the whole thickness.
-        platen = isinstance(load, PlatenLoad)
-        per_unit = 1 / case.model.thickness if platen else block.top_width
+        per_unit = 1 / case.model.thickness if load.rigid else block.top_width
         force += np.outer(_direction(load), values[name]) * per_unit
     tension = np.zeros(len(history.times))
     for name, load in _side_loads(case).items():
-        along = 1.0 if load.direction == "normal" else _direction(load)[0] * SIDES[load.boundary]
+        along = 1.0 if load.along == "normal" else _direction(load)[0] * SIDES[load.on]
         tension += along * values[name]
     if (side := _only_held_side(case)) is not None:
         tension -= SIDES[side] * force[0] * _side_tension(case, block)[0]
@@ -229,10 +197,11 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
     )
 
 
-def _direction(load: PlatenLoad | TractionLoad) -> tuple[float, ...]:
-    if load.direction == "normal":  # outward at the top
+def _direction(load: Load) -> tuple[float, ...]:
+    assert load.along is not None
+    if load.along == "normal":  # outward at the top
         return (0.0, 1.0)
-    return unit_vector(load.direction, COMPONENTS)
+    return unit_vector(load.along, COMPONENTS)
 
 
 # Bodies smaller than this many half-widths are no half-planes at all.

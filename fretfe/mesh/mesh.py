@@ -11,8 +11,6 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
-from fretfe.case.loads import PlatenLoad, TiltLoad
-from fretfe.case.model import MOVES
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     CORNERS,
@@ -234,9 +232,7 @@ def _held_problems(mesh: Mesh, case: Case) -> Iterator[str]:
     """Boundaries that are held, or platens, and have facets of a contact surface."""
     held = [(f"supports.{name}", each.boundary) for name, each in case.supports.items()]
     held += [
-        (f"loads.{name}", load.boundary)
-        for name, load in case.loads.items()
-        if isinstance(load, MOVES | PlatenLoad | TiltLoad)
+        (f"loads.{name}", load.on) for name, load in case.loads.items() if load.moves or load.rigid
     ]
     surfaces = [
         (f"contacts.{name}", surface)

@@ -11,7 +11,6 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, parse_case
-from fretfe.case.loads import FieldLoad
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.partners import contact_partners, front_partners
 from fretfe.evaluate.refinement import Measure, at_places, numbers
@@ -73,7 +72,7 @@ class Variant:
 def make_variants(case: Case, result: Result) -> tuple[list[Variant], dict[str, str]]:
     """The companions of a case that make sense, and for the others the reason why they do not."""
     variants, reasons = [], {}
-    if any(isinstance(load, FieldLoad) for load in case.loads.values()):
+    if case.cut_loads:
         reasons[MEAN] = reasons[START] = "the loads are positions in another run"
         inner = second_cut(result)
         if isinstance(inner, str):

@@ -79,12 +79,11 @@ def carried(result: Result) -> Iterator[Carried]:
     if result.solution is None:
         return
     case, known = result.case, set()
-    for name, load in case.loads.items():
-        folder = case.resolve(load.file) if isinstance(load, FieldLoad) else None
-        if folder is None or not folder.is_dir() or folder in known:
+    for name, load in case.cut_loads.items():
+        folder = case.resolve(load.file)
+        if not folder.is_dir() or folder in known:
             continue
         known.add(folder)
-        assert isinstance(load, FieldLoad)
         try:
             run = load_result(folder)
         except FretfeError as error:
@@ -222,8 +221,8 @@ def cut_tractions(result: Result) -> Iterator[CutTractions]:
     if result.directory is None:
         return
     own = result.directory / FIELDS
-    for name, load in case.loads.items():
-        if not isinstance(load, FieldLoad) or load.position != "time" or not _same_units(load):
+    for name, load in case.cut_loads.items():
+        if load.position != "time" or not _same_units(load):
             continue
         path = case.resolve(load.file) / FIELDS
         owners = [each for each in result.bodies.values() if load.boundary in each.boundaries]
@@ -319,8 +318,7 @@ def carried_notes(result: Result) -> Iterator[str]:
 def followed_notes(result: Result) -> Iterator[str]:
     """Difference that another program makes where it follows the deformed surfaces, in words."""
     case, histories = result.case, result.solution.contacts if result.solution else ()
-    fields = [each for each in case.loads.values() if isinstance(each, FieldLoad)]
-    if not all(case.resolve(each.file).is_dir() for each in fields):
+    if not all(case.resolve(each.file).is_dir() for each in case.cut_loads.values()):
         yield from surface_notes(case, histories, result.contacts, result.limits)
 
 
@@ -357,7 +355,7 @@ def second_cut(result: Result) -> Case | str:
     The displacements of the run move the new cuts, too.
     """
     case = result.case
-    fields = {name: load for name, load in case.loads.items() if isinstance(load, FieldLoad)}
+    fields = case.cut_loads
     if len(result.contacts) != 1 and case.geometry.part is None:
         return "there are several contacts, and no circle or ball around one of them"
     assert result.solution is not None

@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Indices
-from fretfe.case import Case
 from fretfe.evaluate import stress
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.resultants import load_extremes
@@ -45,25 +44,6 @@ def force_unit(run: Result) -> str:
 def work_unit(run: Result) -> str:
     """Unit of work, in the plane per unit thickness."""
     return unit("work", run.case.units, solid=run.solid)
-
-
-def load_unit(case: Case, name: str) -> str:
-    """Unit of the history of a load."""
-    load, units = case.loads[name], case.units
-    if load.type == "traction":
-        return units.stress
-    if load.type == "rotation":
-        return f"1/{units.time}"
-    if load.type == "acceleration":
-        return f"{units.length}/{units.time}^2"
-    if load.type == "interference":
-        return units.length
-    if load.type in ("temperature", "eigenstrain", "shape", "field", "temperature_field"):
-        return "1"
-    if load.type == "tilt":
-        return "rad" if load.control == "rotation" else f"{units.force}·{units.length}"
-    prescribed = load.type == "displacement" or getattr(load, "control", "") == "displacement"
-    return units.length if prescribed else units.force
 
 
 def when(run: Result, state: int) -> str:

@@ -19,7 +19,7 @@ import numpy as np
 from fretfe.backends import Backend, Observer, RunOptions, processes_of
 from fretfe.backends.protocol import CopiedSession, Session, session_of
 from fretfe.bodies.input_files import input_digests
-from fretfe.bodies.load_files import checked_history
+from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
 from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
 from fretfe.case.toml_file import read_tables

@@ -14,9 +14,9 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.bodies.constraints import Constraint
+from fretfe.bodies.loads.spread import Rotation, SpreadLoad, Traction
 from fretfe.bodies.material import Material
 from fretfe.bodies.rigid_modes import rigid_motions
-from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
@@ -46,7 +46,7 @@ def wavy(points: Array) -> Array:
 def make_body(
     mesh: BodyMesh,
     constraints: Sequence[Constraint] = (),
-    loads: Sequence[DistributedLoad] = (),
+    loads: Sequence[SpreadLoad] = (),
     *,
     degree: int = 2,
     material: Material = STEEL,
@@ -64,7 +64,7 @@ def make_body(
 
 def nodal_forces(body: Body, points: Array, traction: Array, surface: str = "b_bottom") -> Array:
     """Nodal forces of a uniform traction on the contact surface, at its points."""
-    load = DistributedLoad("own", "traction", surface, tuple(traction))
+    load = Traction("own", surface, tuple(traction))
     forces = body.elastic.load_vector(load).array.reshape(-1, 2)
     places = body.elastic.space.tabulate_dof_coordinates()[: len(forces), :2]
     found = MPI.COMM_WORLD.allgather((places, forces))
@@ -156,10 +156,10 @@ def test_translation_with_all_constraints_needs_no_force(cell: str, degree: int)
 
 
 LOADS = (
-    DistributedLoad("pull", "traction", "b_right", (0.6, -0.8)),
-    DistributedLoad("swell", "normal", "b_left"),
-    DistributedLoad("spin", "rotation", centre=(0.25, -2.0)),
-    DistributedLoad("elsewhere", "traction", "another_body", (1.0, 0.0)),
+    Traction("pull", "b_right", (0.6, -0.8)),
+    Traction("swell", "b_left"),
+    Rotation("spin", (0.0, 0.0, 1.0), (0.25, -2.0)),
+    Traction("elsewhere", "another_body", (1.0, 0.0)),
 )
 AREA = LENGTH * HEIGHT
 # Force and moment about the origin of each load, by hand.
@@ -199,7 +199,7 @@ def test_loads_on_constrained_bodies_are_taken_by_the_constraints() -> None:
 
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
 def test_normal_load_on_a_closed_boundary_has_no_resultant(cell: str) -> None:
-    loads = [DistributedLoad(s, "normal", f"b_{s}") for s in ("bottom", "right", "top", "left")]
+    loads = [Traction(s, f"b_{s}") for s in ("bottom", "right", "top", "left")]
     mesh = blocks.block("b", *LINES, cell=cell, order=2, mapping=lambda p: wavy(2 * p) + p)
     result = condensed(make_body(mesh, loads=loads)[0])
     np.testing.assert_allclose(result.load_resultants.sum(axis=1), 0.0, atol=1e-12)
@@ -290,13 +290,9 @@ STRESS = np.array([[3.0, -0.7], [-0.7, -1.9]])
 SIDES = (("b_right", (1.0, 0.0)), ("b_top", (0.0, 1.0)), ("b_left", (-1.0, 0.0)))
 
 
-def side_tractions(stress: Array) -> list[DistributedLoad]:
+def side_tractions(stress: Array) -> list[SpreadLoad]:
     """Tractions of a stress on all sides but the contact surface."""
-    loads = []
-    for side, normal in SIDES:
-        traction = stress @ np.array(normal)
-        loads.append(DistributedLoad(side, "traction", side, tuple(traction)))
-    return loads
+    return [Traction(side, side, tuple(stress @ np.array(normal))) for side, normal in SIDES]
 
 
 @pytest.mark.parametrize("plane", ["strain", "stress"])
@@ -335,7 +331,7 @@ def test_recovery_of_uniform_stress(cell: str, degree: int, order: int, plane: s
 def test_recovery_with_constraints_and_a_shared_corner() -> None:
     """Confined compression by a platen, sides held; the contact surface ends at one of them."""
     constraints = (TOP_X, TOP_Y, LEFT_X)
-    load = DistributedLoad("right", "traction", "b_right", (1.0, 0.0))
+    load = Traction("right", "b_right", (1.0, 0.0))
     body, points = make_body(rectangle(), constraints, [load])
     strain = -0.01
     first_lame, mu = STEEL.first_lame, STEEL.shear_modulus

@@ -12,9 +12,9 @@ import pytest
 from contact_runs import Run, run
 
 from fretfe._typing import Array
+from fretfe.bodies.loads.strain import Layer, StrainAtPoints, StrainBelow
 from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
-from fretfe.bodies.spread_loads import DistributedLoad, Layer
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
@@ -220,7 +220,7 @@ def test_no_edge_factor_of_a_strain_that_bodies_can_follow() -> None:
     exx, eyy = 4 * x - 3 * y, 4 * x - 4 * y
     exy = (-3 * x + 2 * y + 2 * x + 4 * y) / 2
     field = PointValues(points, np.stack([exx, eyy, 0 * x, exy], axis=1))
-    load = DistributedLoad("weld", "eigenstrain", at_points=field)
+    load = StrainAtPoints("weld", field)
     by_displacement, by_load = np.zeros((2, 2))
     for elastic, form in forms(lambda mesh, side: load):
         x, y = elastic.space.tabulate_dof_coordinates()[:, :2].T
@@ -238,11 +238,11 @@ def test_edge_factors_of_a_profile_from_a_file() -> None:
     points = np.array([[0.0, sign * depth] for sign in (1, -1) for depth in depths[sign < 0 :]])
     sizes = np.concatenate([values, values[1:]])
     strains = np.stack([sizes, 0 * sizes, sizes, 0 * sizes], axis=1)
-    field = DistributedLoad("weld", "eigenstrain", at_points=PointValues(points, strains))
+    field = StrainAtPoints("weld", PointValues(points, strains))
 
-    def layer(mesh: BodyMesh, side: str) -> DistributedLoad:
+    def layer(mesh: BodyMesh, side: str) -> StrainBelow:
         own = Layer((boundary_surface(mesh, side),), depths, values)
-        return DistributedLoad("peen", "eigenstrain", layers={"b": own})
+        return StrainBelow("peen", {"b": own})
 
     for (_, one), (_, other) in zip(forms(layer), forms(lambda mesh, side: field), strict=True):
         expected, found = (form.load_products(TIP, [TUBE])[0][:, 0] for form in (one, other))

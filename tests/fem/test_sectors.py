@@ -21,8 +21,8 @@ from fretfe._typing import Array
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.definition import ModelDefinition, define_model
+from fretfe.bodies.loads.spread import Rotation
 from fretfe.bodies.material import Material
-from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Case, Solid, Symmetry
 from fretfe.contact.interface import Coordinate
 from fretfe.fem import model as fem_model
@@ -75,7 +75,7 @@ def annulus_error(count: int, shift: float = 0.0) -> float:
     )
     points = boundary_surface(mesh, "disc_left").displacement_points(2)
     operator = sparse.eye(points.size, format="csr")
-    load = DistributedLoad("spin", "rotation", "", (0.0, 0.0, 1.0), (0.0, 0.0))
+    load = Rotation("spin", (0.0, 0.0, 1.0), (0.0, 0.0))
     body = Body(elastic, [hold], [load], points, operator, Clock(), sides)
     zero = np.zeros(operator.shape[0])
     (field,) = body.recover([(zero, np.zeros(1), np.ones(1))])

@@ -13,9 +13,9 @@ from contact_runs import run
 from petsc_garbage import replace_meshes
 
 from fretfe._typing import Array
+from fretfe.bodies.loads.spread import Acceleration, Force, SpreadLoad, Traction
 from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
-from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
@@ -45,7 +45,7 @@ def test_facets_of_several_boundaries() -> None:
     body = ElasticBody(MPI.COMM_WORLD, mesh if MPI.COMM_WORLD.rank == 0 else None, STEEL, 2)
     replace_meshes(body.mesh)
     for name, length in {"both": 4.0, "part": 1.2, "b_top": 2.0, "b_bottom": 2.0}.items():
-        load = DistributedLoad("p", "traction", name, (1.0, 0.0))
+        load = Traction("p", name, (1.0, 0.0))
         assert resultant(body, load)[0] == pytest.approx(length)
         nodes = body.boundary_nodes(name)
         own = np.count_nonzero(nodes < body.space.dofmap.index_map.size_local)
@@ -53,7 +53,7 @@ def test_facets_of_several_boundaries() -> None:
         assert found == {"both": 22, "part": 7, "b_top": 11, "b_bottom": 11}[name]
 
 
-def resultant(body: ElasticBody, load: DistributedLoad) -> Array:
+def resultant(body: ElasticBody, load: SpreadLoad) -> Array:
     """(3,) force and moment about the origin of a unit of a load."""
     forces = body.load_vector(load).array.reshape(-1, 2)
     x, y = body.space.tabulate_dof_coordinates()[: len(forces), :2].T
@@ -67,8 +67,7 @@ def resultant(body: ElasticBody, load: DistributedLoad) -> Array:
 def test_linear_pressure(degree: int, direction: tuple[float, ...]) -> None:
     """Between 1 at x = 0 and 4 at x = 2: the force is 5, at x = 1.2."""
     given = PointValues(np.array([[0.0, 7.0], [2.0, 7.0]]), np.array([1.0, 4.0]))
-    kind = "traction" if direction else "normal"
-    load = DistributedLoad("p", kind, "b_top", direction, at_points=given)
+    load = Traction("p", "b_top", direction, given)
     force = 5.0 * np.array(direction or (0.0, 1.0))
     expected = [*force, 1.2 * force[1] - force[0]]
     np.testing.assert_allclose(resultant(elastic_block(degree), load), expected, atol=1e-12)
@@ -78,7 +77,7 @@ def test_linear_pressure(degree: int, direction: tuple[float, ...]) -> None:
 def test_points_all_over_a_boundary() -> None:
     points = np.stack(np.meshgrid([0.0, 1.0, 2.0], [0.0, 0.5, 1.0]), axis=-1).reshape(-1, 2)
     given = PointValues(points, 3.0 - points[:, 0])
-    load = DistributedLoad("p", "normal", "b_bottom", at_points=given)
+    load = Traction("p", "b_bottom", factors=given)
     # 4 downwards, at x = (3 * 2 - 8/3)/4
     expected = [0.0, -4.0, -(6 - 8 / 3)]
     np.testing.assert_allclose(resultant(elastic_block(2), load), expected, atol=1e-9)
@@ -89,10 +88,10 @@ def test_points_all_over_a_boundary() -> None:
 def test_a_force_on_a_boundary_or_a_part_of_it(degree: int) -> None:
     """On the top of length 2 of a block of height 1."""
     body = elastic_block(degree)
-    whole = DistributedLoad("f", "force", "b_top", (0.6, 0.8))
+    whole = Force("f", "b_top", (0.6, 0.8))
     expected = [0.6, 0.8, 1.0 * 0.8 - 1.0 * 0.6]
     np.testing.assert_allclose(resultant(body, whole), expected, atol=1e-12)
-    part = DistributedLoad("f", "force", "b_top", (0.6, 0.8), (1.3, 1.0), radius=0.4)
+    part = Force("f", "b_top", (0.6, 0.8), (1.3, 1.0), radius=0.4)
     x, y, moment = resultant(elastic_block(degree, columns=20), part)
     np.testing.assert_allclose([x, y], [0.6, 0.8], atol=1e-12)
     assert moment == pytest.approx(1.3 * 0.8 - 0.6, abs=0.01)
@@ -100,7 +99,7 @@ def test_a_force_on_a_boundary_or_a_part_of_it(degree: int) -> None:
 
 @pytest.mark.mpi
 def test_acceleration_acts_on_the_mass() -> None:
-    load = DistributedLoad("g", "acceleration", direction=(0.6, -0.8))
+    load = Acceleration("g", (0.6, -0.8))
     force = STEEL.density * 2.0 * np.array([0.6, -0.8])
     expected = [*force, 1.0 * force[1] - 0.5 * force[0]]
     np.testing.assert_allclose(resultant(elastic_block(2), load), expected, atol=1e-12)
@@ -154,7 +153,7 @@ def test_no_edge_factor_of_a_bar_that_hangs(solid: bool) -> None:
     poisson, young = STEEL.poisson, STEEL.young
     if not solid:
         young, poisson = young / (1 - poisson**2), poisson / (1 - poisson)
-    load = DistributedLoad("g", "acceleration", direction=(1.0, 0.0, 0.0)[: 3 if solid else 2])
+    load = Acceleration("g", (1.0, 0.0, 0.0)[: 3 if solid else 2])
     frame = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, -1.0]])
     if solid:
         tip, tube = Tip(np.array([-0.5, 0.0, 1.0]), frame, 2.0), Tube(0.35, 0.45)

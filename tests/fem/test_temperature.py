@@ -23,9 +23,10 @@ from fretfe._typing import Array
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.edges import tangential_factor
 from fretfe.bodies.constraints import Constraint
+from fretfe.bodies.loads.cut import Cut
+from fretfe.bodies.loads.strain import Heating, Temperature, TemperatureShape
 from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import NodalValues, PointValues
-from fretfe.bodies.spread_loads import DistributedLoad
 from fretfe.case import Solid, parse_case
 from fretfe.contact.march import March
 from fretfe.fem._compat import MPI
@@ -44,12 +45,13 @@ Solve = Callable[[dict[str, Any]], Result]
 EXPANSION, REFERENCE = 1e-3, 20.0
 LEFT_X = Constraint("left x", "b_left", (1.0, 0.0))
 RIGHT_X = Constraint("right x", "b_right", (1.0, 0.0))
+NO_CUT = Cut("hot", np.zeros(0), np.zeros((0, 0, 1)), (), 0.0)
 BOTTOM_Y = Constraint("bottom y", "b_bottom", (0.0, 1.0))
 
 
-def hot(points: Any, values: Any, name: str = "hot", **options: Any) -> DistributedLoad:
+def hot(points: Any, values: Any, name: str = "hot", **options: Any) -> Temperature:
     field = PointValues(np.array(points, dtype=float), np.array(values, dtype=float))
-    return DistributedLoad(name, "temperature", at_points=field, **options)
+    return Temperature(name, field, **options)
 
 
 def material(plane: str = "strain") -> Material:
@@ -59,7 +61,7 @@ def material(plane: str = "strain") -> Material:
 def make_body(
     mesh: BodyMesh,
     constraints: list[Constraint],
-    load: DistributedLoad,
+    load: Heating,
     steel: Material,
     surface: str = "b_top",
 ) -> Body:
@@ -268,7 +270,7 @@ def test_no_stress_of_a_linear_field_in_a_free_solid() -> None:
     field = fem.Function(elastic.space)
     followed = np.stack([(x**2 - y**2 - z**2) / 2, x * y, x * z], axis=1)
     field.x.array[:] = 30 * EXPANSION * followed.ravel()
-    initial = elastic.initial_stress(DistributedLoad("hot", "temperature", changes={"b": change}))
+    initial = elastic.initial_stress(TemperatureShape("hot", {"b": change}, 1, NO_CUT))
     held, free = (elastic.element_stresses(field, each) for each in (None, initial))
     assert np.abs(held).max() > 1.0
     assert np.abs(free).max() < 1e-12 * np.abs(held).max()

@@ -18,7 +18,6 @@ from fretfe.report.source import (
     Shown,
     edge_title,
     force_unit,
-    load_unit,
     shown_stations,
     work_unit,
     worst_run_states,
@@ -102,7 +101,7 @@ def _draw_loads(figure: Figure, case: Case, history: History) -> None:
         panel.plot(history.times[shown], values[shown], mark, ms=4, color=BLUE)
         # Beside the axis, names longer than a panel is high would lie on one another.
         panel.set_title(name, loc="left", fontsize=SMALL)
-        panel.set_ylabel(f"[{load_unit(case, name)}]")
+        panel.set_ylabel(f"[{case.loads[name].unit(case.units)}]")
         plain_axis(panel, "y")
         if not values.any():
             panel.set_yticks([0.0])

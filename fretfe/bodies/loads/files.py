@@ -3,21 +3,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fretfe.case import Case, FieldLoad, TemperatureFieldLoad, complaint
+from fretfe.case import Case, complaint
 from fretfe.case.base import ABSOLUTE_ZERO, AXES
-from fretfe.case.loads import (
-    ChannelAtPoints,
-    EigenstrainLoad,
-    ShapeLoad,
-    TemperatureLoad,
-)
+from fretfe.case.loads import EigenstrainLoad, LoadAtPoints, OtherRun, TemperatureLoad
 from fretfe.errors import CaseError
 from fretfe.loads import History, build_history
 from fretfe.loads.csv_file import read_table
@@ -28,13 +22,10 @@ if TYPE_CHECKING:
     from fretfe.bodies.point_values import PointValues
     from fretfe.fields.field import Names, Quantity
 
-# Columns of a file of strains, of plane bodies the first four, and their components.
-STRAINS = {"exx": (0, 0), "eyy": (1, 1), "ezz": (2, 2), "exy": (0, 1), "eyz": (1, 2), "exz": (0, 2)}
-PLANE_STRAINS = 4
 # Endings of tables of a field, which have no other check that is quick.
 TABLES = (".csv", ".txt")
 
-AtPoints = ChannelAtPoints | EigenstrainLoad
+AtPoints = LoadAtPoints | EigenstrainLoad
 
 
 def values_at_points(case: Case, name: str, load: AtPoints, dimension: int) -> PointValues:
@@ -52,26 +43,14 @@ def values_at_points(case: Case, name: str, load: AtPoints, dimension: int) -> P
     from fretfe.bodies.point_values import PointValues, read_points
 
     if load.file is None:
-        assert isinstance(load, ChannelAtPoints)
+        assert isinstance(load, LoadAtPoints)
         assert load.points is not None and load.values is not None
         return PointValues(np.array(load.points), np.array(load.values))
     least = ABSOLUTE_ZERO if isinstance(load, TemperatureLoad) else -np.inf
     try:
-        return read_points(case.resolve(load.file), dimension, _columns(load, dimension), least)
+        return read_points(case.resolve(load.file), dimension, load.columns[dimension], least)
     except CaseError as error:
         raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
-
-
-def _columns(load: AtPoints, dimension: int) -> Sequence[str]:
-    """Columns of the values of a load."""
-    match load:
-        case TemperatureLoad():
-            return ["T"]
-        case ShapeLoad():
-            return [f"u{axis}" for axis in AXES[:dimension]]
-        case EigenstrainLoad():
-            return list(STRAINS)[: PLANE_STRAINS if dimension == 2 else None]
-    return ["value"]
 
 
 def checked_history(case: Case) -> History:
@@ -85,14 +64,12 @@ def checked_history(case: Case) -> History:
     """
     for name, load in case.loads.items():
         try:
-            if isinstance(load, FieldLoad):
-                _require_field(case.resolve(load.file), "displacements", load.arrays or ())
-            elif isinstance(load, TemperatureFieldLoad):
-                _require_field(case.resolve(load.file), "temperatures", load.arrays or ())
+            if isinstance(load, OtherRun):
+                _require_field(case.resolve(load.file), load.quantity, load.arrays or ())
             elif isinstance(load, AtPoints) and load.file is not None:
                 # Whether the bodies of a mesh file are solid is not known yet.
                 dimension = 2 if case.geometry.solid is None else 3
-                names = (*AXES[:dimension], *_columns(load, dimension))
+                names = (*AXES[:dimension], *load.columns[dimension])
                 read_table(case.resolve(load.file), names)
         except CaseError as error:
             raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
