@@ -266,7 +266,7 @@ class Work:
             self.known = read_result(self.directory)
         except OutputError:
             return None
-        return replace(self.known, solution=None, bodies={})
+        return replace(self.known, root_solution=None, bodies={})
 
     def finish(self, *, complete: bool, resumable: bool = False) -> None:
         """Say that all is written, once it is on the disk.

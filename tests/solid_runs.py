@@ -207,7 +207,7 @@ def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> 
     )  # fmt: skip
     return Result(
         case=case, loads=loads, contacts=evaluate(solution), backend="fem",
-        solution=solution, bodies=bodies(),
+        root_solution=solution, bodies=bodies(),
     )  # fmt: skip
 
 
@@ -215,7 +215,6 @@ def solid_result(shapes: dict[str, Surface] | None = None, **output: object) -> 
 def stationed_sphere() -> Result:
     """The contact on a flat surface with twelve stations, whose factors nobody has computed."""
     result = solid_result({"main": surface()})
-    assert result.solution is not None
     (contact,) = result.solution.contacts
     tracks = follow_fronts(result.solution, contact, 12)
     (area,) = result.contacts

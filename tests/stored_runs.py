@@ -14,8 +14,7 @@ from typing import Any
 import h5py
 from pad_cases import HOLD, TOP, pad, press, shear
 
-from fretfe.backends import Backend, RunOptions
-from fretfe.backends.analytic import BACKEND as ANALYTIC
+from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import Case, parse_case
 from fretfe.errors import ConvergenceError
@@ -24,18 +23,15 @@ from fretfe.results.model import Result
 from fretfe.results.run_folder import KEY, with_digest
 from fretfe.results.writer import write_results
 
-BACKENDS: dict[str, Backend] = {"analytic": ANALYTIC, "halfplane": HALFPLANE}
 # Shear that only grows: no cycle.
 GROWING = {**TOP, "direction": "x", "history": [HOLD, {"ramp": 60.0, "until": 2.0, "steps": 5}]}
 CYCLE = pad(loads={"press": press(), "shear": shear(steps=8)})
 NO_CYCLE = pad(loads={"press": press(), "shear": GROWING})
-# Name of a run: case, backend, whether its last steps have no solution.
-RUNS: dict[str, tuple[dict[str, Any], str, bool]] = {
-    "halfplane": (CYCLE, "halfplane", False),
-    "analytic": (CYCLE, "analytic", False),
-    "no cycle": (NO_CYCLE, "halfplane", False),
-    "no cycle, analytic": (NO_CYCLE, "analytic", False),
-    "incomplete": (CYCLE, "halfplane", True),
+# Name of a run: case, and whether its last steps have no solution.
+RUNS: dict[str, tuple[dict[str, Any], bool]] = {
+    "halfplane": (CYCLE, False),
+    "no cycle": (NO_CYCLE, False),
+    "incomplete": (CYCLE, True),
 }
 REASON = "step 12 of 20 did not converge: <b>for a test</b>"
 
@@ -43,12 +39,12 @@ REASON = "step 12 of 20 did not converge: <b>for a test</b>"
 @cache
 def solved(name: str) -> Result:
     """A run."""
-    tables, backend, fails = RUNS[name]
+    tables, fails = RUNS[name]
     case = parse_case(tables)
     history = build_history(case)
     if fails:
         history = History(history.channels, history.times[:12], history.values[:12], None)
-    result = replace(BACKENDS[backend].solve(case, RunOptions(history=history)), backend=backend)
+    result = replace(HALFPLANE.solve(case, RunOptions(history=history)), backend="halfplane")
     return replace(result, failure=ConvergenceError(REASON)) if fails else result
 
 

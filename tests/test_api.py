@@ -21,7 +21,7 @@ import fretfe
 from fretfe.api import Result
 from fretfe.case import changed
 from fretfe.cli.run import run as run_case
-from fretfe.errors import CaseError, DependencyError, ModelError, OutputError, StoppedError
+from fretfe.errors import CaseError, DependencyError, ModelError, StoppedError
 
 FRICTION = "contacts.main.friction"
 
@@ -70,7 +70,7 @@ sys.meta_path.insert(0, Block())
 import fretfe
 case = fretfe.load_case(sys.argv[1], {"loads.shear.amplitude": 30})
 print(len(fretfe.run(case, backend="halfplane").edges()))
-print(len(fretfe.sweep(case, {"contacts.main.friction": [0.3, 0.4]}, "analytic").records()))
+print(len(fretfe.sweep(case, {"contacts.main.friction": [0.3, 0.4]}, "halfplane").records()))
 try:
     fretfe.run(case)
 except Exception as error:
@@ -140,22 +140,16 @@ def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
         },
         "units.force": "kN",
     }
-    result = fretfe.run(fretfe.load_case(pad, overrides), "analytic")
+    result = fretfe.run(fretfe.load_case(pad, overrides), "halfplane")
     figure = fretfe.plot_loads(result)
     labels = [f"{panel.get_title(loc='left')} {panel.get_ylabel()}" for panel in figure.axes]
     assert labels == ["press [kN]", "shear [kN]", "pull [GPa]"]
 
 
-def test_no_figure_without_tractions(pad: Path) -> None:
-    result = fretfe.run(fretfe.load_case(pad), backend="analytic")
-    with pytest.raises(OutputError, match="'analytic' has none"):
-        fretfe.plot_tractions(result)
-
-
 def test_notebooks_show_a_table_in_which_nothing_is_markup(pad: Path) -> None:
     case = fretfe.load_case(pad, {"title": "<b>P & Q</b>"})
-    text = fretfe.run(case, backend="analytic")._repr_html_()
-    assert "<b>" not in text and "&lt;b&gt;P &amp; Q&lt;/b&gt; (analytic)" in text
+    text = fretfe.run(case, backend="halfplane")._repr_html_()
+    assert "<b>" not in text and "&lt;b&gt;P &amp; Q&lt;/b&gt; (halfplane)" in text
     assert text.count("<tr>") == 3 and text.count("<td>main</td>") == 2
 
 
@@ -221,13 +215,6 @@ def test_histories_and_tractions_as_a_dataset(solved: Result) -> None:
     np.testing.assert_array_equal(data["main.arc"], history.surface.arc)
 
 
-def test_a_dataset_without_tractions(pad: Path) -> None:
-    result = fretfe.run(fretfe.load_case(pad), backend="analytic")
-    assert "main.traction" not in result.to_xarray()
-    with pytest.raises(OutputError, match="along the contact 'main', found none: 'analytic'"):
-        result.contact_history("main")
-
-
 @pytest.mark.parametrize(("package", "name"), [("pandas", "to_dataframe"), ("xarray", "to_xarray")])
 def test_a_missing_package_is_named(
     solved: Result, monkeypatch: pytest.MonkeyPatch, package: str, name: str
@@ -251,13 +238,13 @@ def test_validation_and_its_files(pad: Path, tmp_path: Path) -> None:
 def test_sweep(pad: Path, tmp_path: Path) -> None:
     case, told = fretfe.load_case(pad), Told()
     frictions = np.linspace(0.3, 0.5, 3)
-    sweep = fretfe.sweep(case, {FRICTION: frictions}, "analytic", output=tmp_path, observer=told)
+    sweep = fretfe.sweep(case, {FRICTION: frictions}, "halfplane", output=tmp_path, observer=told)
     records = sweep.records()
     assert [record[FRICTION] for record in records] == [0.3, 0.3, 0.4, 0.4, 0.5, 0.5]
     assert {type(record[FRICTION]) for record in records} == {float}
     expected: list[dict[str, Any]] = []
     for friction in frictions:
-        expected += fretfe.run(changed(case, {FRICTION: friction}), "analytic").edges()
+        expected += fretfe.run(changed(case, {FRICTION: friction}), "halfplane").edges()
     assert [{name: record[name] for name in expected[0]} for record in records] == expected
     assert len(told.announced) == 3
     assert {path.name for path in tmp_path.iterdir()} == {
@@ -273,12 +260,12 @@ def test_sweep(pad: Path, tmp_path: Path) -> None:
 
 def test_mistakes(pad: Path) -> None:
     case = fretfe.load_case(pad, {"loads.shear.amplitude": 300})
-    with pytest.raises(ModelError, match="the backend 'analytic' cannot solve this case"):
-        fretfe.run(case, "analytic")
+    with pytest.raises(ModelError, match="the backend 'halfplane' cannot solve this case"):
+        fretfe.run(case, "halfplane")
     with pytest.raises(CaseError, match="no backend is called 'halfplain'"):
         fretfe.run(case, "halfplain")
     with pytest.raises(CaseError, match="there is no 'mian' in contacts"):
-        fretfe.sweep(case, {"contacts.mian.friction": [0.4]}, "analytic")
+        fretfe.sweep(case, {"contacts.mian.friction": [0.4]}, "halfplane")
 
 
 def test_the_version_is_that_of_the_package() -> None:

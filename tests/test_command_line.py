@@ -47,7 +47,7 @@ class Command:
     ) -> None:
         self.pad, self._monkeypatch, self._capsys = pad, monkeypatch, capsys
 
-    def __call__(self, *options: str, command: str = "run", backend: str = "analytic") -> Done:
+    def __call__(self, *options: str, command: str = "run", backend: str = "halfplane") -> Done:
         arguments = ["fretfe", command, str(self.pad), "-o", str(self.pad.parent / "out")]
         self._monkeypatch.setattr(sys, "argv", [*arguments, "--backend", backend, *options])
         with pytest.raises(SystemExit) as ended:
@@ -155,7 +155,7 @@ def test_quiet_and_verbose_contradict_each_other(run: Command) -> None:
 def on_terminal(pad: Path, *options: str, **environment: str) -> bytes:
     """What the command prints when both of its streams are a terminal."""
     outer, inner = pty.openpty()
-    arguments = ["run", str(pad), "-o", str(pad.parent / "out"), "--backend", "analytic", *options]
+    arguments = ["run", str(pad), "-o", str(pad.parent / "out"), "--backend", "halfplane", *options]
     process = subprocess.Popen(
         [sys.executable, "-m", "fretfe", *arguments],
         stdin=subprocess.DEVNULL,

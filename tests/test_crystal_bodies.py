@@ -11,7 +11,6 @@ from pad_cases import SLIDING, STEEL, pad, press, pull, shear
 
 from fretfe.analytic.crystals import bunge_rotation, cubic
 from fretfe.analytic.crystals import isotropic as isotropic_stiffness
-from fretfe.backends.analytic import BACKEND as ANALYTIC
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import (
     Body,
@@ -232,7 +231,6 @@ def test_half_planes_of_a_crystal_do_not_depend_on_the_angle() -> None:
         case = case_of(body, loads={"press": press(steps=2), "shear": shear(cycles=1, steps=8)})
         assert idealise(case).profile.e_star == pytest.approx(1 / 9.14631e-6, rel=1e-6)
         solution = HALFPLANE.solve(case).solution
-        assert solution is not None
         found.append(np.asarray(solution.contacts[0].traction))
         assert (np.asarray(solution.contacts[0].status) == SLIP).any()
     first, *others = found
@@ -288,7 +286,5 @@ def test_what_half_planes_do_not_know_of_crystals() -> None:
     assert "to pressure and to shear apart from each other" in apart
     straight = case_of({"elastic": {"orthotropic": ORTHOTROPIC}})
     assert not obstacles(straight)
-    (alike,) = ANALYTIC.supports(straight)
-    assert "expected crystals that yield to pressure and to shear alike, found a ratio" in alike
     soft = {"young": 70e3, "poisson": 0.1}
     assert any("Dundurs' beta" in each for each in obstacles(case_of({"elastic": NICKEL}, soft)))

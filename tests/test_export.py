@@ -139,7 +139,7 @@ def test_irregular_loads_have_a_table_of_cycles(tmp_path: Path) -> None:
     points = [(1.0, 0.0), (2.0, 60.0), (3.0, 10.0), (4.0, 40.0), (5.0, -30.0), (6.0, 0.0)]
     history = [HOLD, *({"ramp": q, "until": t, "steps": 2} for t, q in points[1:])]
     loads = {"press": press(), "shear": {**TOP, "direction": "x", "history": history}}
-    result = fretfe.run(parse_case(pad(loads=loads)), "analytic")
+    result = fretfe.run(parse_case(pad(loads=loads)), "halfplane")
     found = read(fretfe.export(result, tmp_path))
     cycles = found["cycles.csv"]
     (worst,) = cycles.query("front == 'left' and worst == 1")["k_t_range [MPa*mm^0.5]"]
@@ -152,7 +152,7 @@ def test_tables_of_an_earlier_export_do_not_stay(run: Path, tmp_path: Path) -> N
     own = tmp_path / "notes.csv"
     own.write_text("mine")
     fretfe.export(fretfe.load_result(run), tmp_path)
-    fretfe.export(fretfe.load_result(write_run(tmp_path / "run", "analytic")), tmp_path)
+    fretfe.export(fretfe.load_result(write_run(tmp_path / "run", "halfplane")), tmp_path)
     assert not (tmp_path / "tractions.csv").exists() and own.read_text() == "mine"
 
 
@@ -226,7 +226,7 @@ def test_command(run: Path, tmp_path: Path) -> None:
 def test_a_run_that_ended_early_says_so(tmp_path: Path) -> None:
     run = tmp_path / "run"
     run.mkdir()
-    write_results(run, replace(solved("analytic"), failure=ConvergenceError("step 12 [b]")))
+    write_results(run, replace(solved("halfplane"), failure=ConvergenceError("step 12 [b]")))
     done = command("export", run, "-o", tmp_path / "out")
     assert "Note: the run is not complete: step 12 [b]" in done.stdout
 

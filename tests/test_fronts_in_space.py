@@ -70,7 +70,6 @@ def solved(
 ) -> tuple[Solution, ContactHistory]:
     """States with these pressures behind the unloaded one; slip along x in the last one."""
     result = solid_runs.solid_result()
-    assert result.solution is not None
     old = result.solution.contacts[0]
     parts = [means(points, facets, field) for field in pressures]
     area = parts[0][1]

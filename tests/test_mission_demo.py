@@ -16,7 +16,7 @@ DEMO = Path(__file__).parents[1] / "demos" / "mission.toml"
 
 
 def test_worst_cycle_and_files(tmp_path: Path) -> None:
-    fretfe.run(fretfe.load_case(DEMO), output=tmp_path, backend="analytic")
+    fretfe.run(fretfe.load_case(DEMO), output=tmp_path, backend="halfplane")
     result = fretfe.load_result(tmp_path)
     load = 110 * np.loadtxt(DEMO.with_name("mission.csv"), delimiter=",", skiprows=1)[:, 1]
     a = float(result.contacts[0].half_width[-1])
@@ -43,7 +43,7 @@ def test_worst_cycle_and_files(tmp_path: Path) -> None:
 
 def test_regular_loads_have_no_file(tmp_path: Path) -> None:
     result = fretfe.run(
-        fretfe.load_case(DEMO.with_name("hertz.toml")), output=tmp_path, backend="analytic"
+        fretfe.load_case(DEMO.with_name("hertz.toml")), output=tmp_path, backend="halfplane"
     )
     assert not (tmp_path / "cycles.csv").exists()
     assert cycle_table(result) is None

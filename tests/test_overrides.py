@@ -200,7 +200,7 @@ def test_files_get_their_full_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 def run(case: Path, out: Path, *options: str) -> dict[str, Any]:
-    done = fretfe("run", "--no-report", case, "-o", out, "--backend", "analytic", *options)
+    done = fretfe("run", "--no-report", case, "-o", out, "--backend", "halfplane", *options)
     assert done.returncode == 0, done.stderr
     return dict(json.loads((out / "results.json").read_text()))
 
@@ -223,7 +223,7 @@ def test_results_run_again_from_their_folder(tmp_path: Path) -> None:
 def test_a_changed_case_does_not_replace_its_own_file(tmp_path: Path) -> None:
     case = tmp_path / "case.toml"
     case.write_text(HERTZ)
-    options = ("--backend", "analytic", "--set", "loads.shear.amplitude=30")
+    options = ("--backend", "halfplane", "--set", "loads.shear.amplitude=30")
     done = fretfe("run", "--no-report", case, "-o", tmp_path, *options)
     assert done.returncode == 6
     assert "expected another folder" in done.stderr and "Traceback" not in done.stderr

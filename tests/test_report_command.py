@@ -31,7 +31,7 @@ def case(tmp_path: Path) -> Path:
 
 def test_run_ends_with_the_report_that_the_command_makes_again(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    run_case(case, out, "analytic")
+    run_case(case, out, "halfplane")
     report = out / "report.html"
     text = report.read_text("utf-8")
     report.unlink()
@@ -42,7 +42,7 @@ def test_run_ends_with_the_report_that_the_command_makes_again(case: Path, tmp_p
 
 def test_a_report_that_does_not_fit_leaves_the_one_before(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    run_case(case, out, "analytic")
+    run_case(case, out, "halfplane")
     report = out / "report.html"
     before = report.read_bytes()
     with small_files(len(before) // 2):
@@ -56,7 +56,7 @@ def test_run_without_a_report_leaves_none_of_an_earlier_run(case: Path, tmp_path
     out = tmp_path / "out"
     out.mkdir()
     (out / "report.html").write_text("of another run")
-    run_case(case, out, "analytic", report=False)
+    run_case(case, out, "halfplane", report=False)
     assert (out / "results.json").exists() and not (out / "report.html").exists()
 
 
@@ -68,7 +68,7 @@ def test_report_that_fails_is_a_warning(
 
     monkeypatch.setattr(html, "write_report", fail)
     with pytest.raises(FaultError, match="unknown for that reason: report"):
-        run_case(case, tmp_path / "out", "analytic")
+        run_case(case, tmp_path / "out", "halfplane")
     printed = capsys.readouterr().out
     assert "report: unknown, because fretfe itself failed (ZeroDivisionError: no [red]pl" in printed
     assert (tmp_path / "out" / "results.json").exists()

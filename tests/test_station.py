@@ -68,7 +68,6 @@ def solved(result: Result, poisson: float | None = None, crystal: Crystal | None
             assert known is not None
             young = known.young * (1 - poisson**2) / (1 - known.poisson**2)
             bodies[name] = Body(young=young, poisson=poisson)
-    assert result.solution is not None
     contacts = add_local_problems(result.solution, result.contacts, bodies, solve_batches)
     return replace(result, contacts=contacts)
 
@@ -81,7 +80,6 @@ def posed(shear: Array, direction: Callable[[Station], float]) -> Result:
         direction: of the shear at a station, from inward towards along, degrees.
     """
     result = stationed_sphere()
-    assert result.solution is not None
     (contact,), cycle = result.solution.contacts, cycle_states(result.loads.cycle)
 
     def exact(station: Station) -> Station:
@@ -144,7 +142,6 @@ def stations(result: Result) -> tuple[Station, ...]:
 
 def test_of_equal_cycles_only_the_last_one_before_is_gone_through(bare: Result) -> None:
     """Loading in 3 steps, then cycles of 4; one of other loads ends what is left out."""
-    assert bare.solution is not None
     cycle = np.array([[1.0, 0.0], [1.0, 2.0], [1.0, 0.0], [1.0, -2.0]])
     loading = np.array([[0.0, 0.0], [0.5, 0.0], [0.8, 0.0]])
     values = np.concatenate([loading, *[cycle] * 5, cycle[:1]])

@@ -38,7 +38,6 @@ def sliding(beta: float) -> tuple[Solution, ContactHistory]:
     """A circle of radius 1 that slides along x, with p ~ s^lambda all around it."""
     shape = surface(count=48)
     result = solid_result({"main": shape})
-    assert result.solution is not None
     (contact,) = result.solution.contacts
     x, z = shape.plane.T
     r = np.hypot(x, z)

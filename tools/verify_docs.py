@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any
 
 PAGE = Path(__file__).parents[1] / "docs" / "verify.md"
-BACKENDS = ("analytic", "halfplane", "fem")
+BACKENDS = ("halfplane", "fem")
 HEADER = f"| benchmark | quantity | {' | '.join(BACKENDS)} |"
 # What stands between the two marks is written by this script.
 _TABLE = re.compile(r"(<!-- measured differences -->\n\n).*?(\n<!-- end -->\n)", re.DOTALL)

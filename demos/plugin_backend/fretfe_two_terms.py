@@ -7,7 +7,7 @@ hence with the next term
 
     d = d1 + d1^2/(2a)          d1 = change of K_T/(f K_N), twice that for first loading
 
-with a relative error of about (d/a)^2/2 in place of d/(2a). (`analytic` has the exact solution.)
+with a relative error of about (d/a)^2/2 in place of d/(2a). (`halfplane` solves the whole problem.)
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe.analytic.profiles import Hertz
-from fretfe.backends.analytic import solve_closed_form
+from fretfe.backends.halfplane import BACKEND as HALF_PLANES
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
@@ -37,17 +37,16 @@ class TwoTerms:
         return obstacles(case) or tuple(_outside(idealise(case)))
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
-        """Solve a case: slip lengths by the formula, closed forms for the rest."""
+        """Solve a case: slip lengths by the formula, half-planes for the rest."""
         if reasons := self.supports(case):
             raise NotIdealisable(case, list(reasons))
-        problem = idealise(case)
-        contact, _ = solve_closed_form(problem)
+        result, problem = HALF_PLANES.solve(case, options), idealise(case, options.history)
+        (contact,) = result.contacts
         stations = (_with_formula(each, contact, problem) for each in contact.stations)
-        return Result(
-            case=case,
-            loads=problem.history,
+        return replace(
+            result,
             contacts=(replace(contact, fronts=fronts_of(stations)),),
-            notes=(*problem.notes, "slip lengths by: two terms of the expansion in d/a"),
+            notes=(*result.notes, "slip lengths by: two terms of the expansion in d/a"),
         )
 
 

@@ -146,7 +146,7 @@ class HalfPlaneBackend:
             limits=limits,
             notes=notes,
             failure=outcome.failure,
-            solution=solution,
+            root_solution=solution,
             seconds={"steps": solved - start, "evaluation": time.perf_counter() - solved},
         )
 

@@ -253,7 +253,6 @@ class SolidPasses(Passes):
         return load_mesh(finer_sweep(self._case, FINER ** len(self._done)), size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
-        assert result.solution is not None
         values = solid_values(result.contacts, result.solution)
         changes = station_changes(self._before, result.contacts, result.solution, values)
         sizes = [station.size for each in result.contacts for station in each.stations]
@@ -266,7 +265,6 @@ class SolidPasses(Passes):
         )
 
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
-        assert result.solution is not None
         self._before = result.contacts
         self._places = _front_places(self._case, mesh, result.solution, result.contacts)
 
@@ -366,7 +364,6 @@ class PlanePasses(Passes):
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         solution, contacts = result.solution, result.contacts
-        assert solution is not None
         values = station_values(solution, contacts)
         before = self._done[-1] if self._done else None
         return Pass(
@@ -381,12 +378,10 @@ class PlanePasses(Passes):
         )
 
     def _hopeless(self, result: Result) -> str:
-        assert result.solution is not None
         return hopeless(result.solution, result.contacts)
 
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
         solution, self._before = result.solution, result.contacts
-        assert solution is not None
         # A mesh that still does not show all of a slip zone must not keep the others waiting.
         self._level += self._done[-1].resolved or len(self._done) > UNRESOLVED_PASSES
         intervals = needed_sizes(solution, result.contacts, self._level)

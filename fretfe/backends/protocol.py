@@ -24,7 +24,9 @@ from fretfe.results.model import Result
 
 T = TypeVar("T")
 GROUP = "fretfe.backends"
-OWN = ("analytic", "halfplane", "fem")
+OWN = ("halfplane", "fem")
+# What takes the place of a backend of earlier versions.
+GONE = {"analytic": "'halfplane' solves the same cases, and fretfe.analytic has closed forms"}
 
 
 class Observer:
@@ -302,7 +304,10 @@ def find_backend(name: str) -> Backend:
     """
     entry = next((entry for entry in _entries() if entry.name == name), None)
     if entry is None:
-        raise CaseError(f"no backend is called {name!r}; installed: {', '.join(backend_names())}")
+        instead = f"; {GONE[name]}" if name in GONE else ""
+        raise CaseError(
+            f"no backend is called {name!r}; installed: {', '.join(backend_names())}{instead}"
+        )
     found = _load(entry)
     if found.backend is None:
         raise DependencyError(f"the backend {name!r} cannot be used: {found.reason}")

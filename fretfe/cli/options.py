@@ -21,9 +21,7 @@ Overrides = Annotated[
         show_default=False,
     ),
 ]
-Backend = Annotated[
-    str, typer.Option(help="analytic, halfplane, fem, or one of `fretfe backends`.")
-]
+Backend = Annotated[str, typer.Option(help="halfplane, fem, or one of `fretfe backends`.")]
 Resume = Annotated[
     bool,
     typer.Option("--resume", help="Continue the same run in the folder, if there is one."),

@@ -193,9 +193,7 @@ def _print_numbers(console: Console, result: Result) -> None:
         console.print(f"Note: {note}", highlight=False, markup=False)
 
 
-def _step_text(solution: Solution | None) -> str:
-    if solution is None:
-        return ""
+def _step_text(solution: Solution) -> str:
     return (
         f", {solution.iterations[1:].mean():.1f} iterations a step, largest violation of a contact "
         f"condition {solution.certificates['worst'].max():.1e}"
@@ -370,7 +368,7 @@ def _print_validation(validation: Validation, as_json: bool) -> None:
         print_validation(Console(), validation)
 
 
-VERIFY_EXAMPLES = examples("fretfe verify", "fretfe verify --backend halfplane --backend analytic")
+VERIFY_EXAMPLES = examples("fretfe verify", "fretfe verify --backend halfplane")
 
 
 def verify(

@@ -155,10 +155,9 @@ def export_tables(
             tables.CYCLES,
             tables.cycle_records(result.contacts, result.loads.times),
         )
-    if result.solution is not None:
-        yield _tractions(result)
-        if result.solution.keeps(*result.loads.evaluated):
-            yield _local(result)
+    yield _tractions(result)
+    if result.solution.keeps(*result.loads.evaluated):
+        yield _local(result)
     if result.has_stress or fatemi_socie:
         yield _stress(result, fatemi_socie)
         yield _edge_stress(result)
@@ -254,7 +253,6 @@ def _states(result: Result, histories: Sequence[Array]) -> Iterator[Row]:
 
 def _tractions(result: Result) -> ExportTable:
     solution = result.solution
-    assert solution is not None
     kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
     solid = result.solid
     plane = PLANE_TRACTIONS if solution.contacts[0].slip.shape[2] == 1 else TRACTIONS_WITH_Z
@@ -269,7 +267,6 @@ def _tractions(result: Result) -> ExportTable:
 
 
 def _local(result: Result) -> ExportTable:
-    assert result.solution is not None
     named = SOLID_LOCAL if result.solid else PLANE_LOCAL
     own = [each.name for each in PLANE_LOCAL[2:]]
     rows = (

@@ -176,9 +176,6 @@ def traction_pairs(
     first: Result, second: Result, pairs: Sequence[ContactPair]
 ) -> tuple[tuple[TractionPair, ...], list[str]]:
     """Tractions at the two load extremes of each result, and why there are none."""
-    for result in (first, second):
-        if result.solution is None:
-            return (), [f"no tractions are compared: backend {result.backend!r} has none"]
     found: list[TractionPair] = []
     notes: list[str] = []
     for pair in pairs:

@@ -91,7 +91,6 @@ def require_one_contact(
     Raises:
         CaseError: with the largest radius that there may be.
     """
-    assert result.solution is not None
     for other in result.solution.contacts:
         if other.pair == result.contact_history(name).pair:
             continue

@@ -144,7 +144,7 @@ def _cut_notes(case: Case, definition: ModelDefinition, solution: Solution) -> I
 
 def _without_states(comm: MPI.Comm, result: Result | None) -> Result:
     """The result of rank 0; the others have all of it but what may be large. Collective."""
-    light = replace(result, solution=None, bodies={}) if result is not None else None
+    light = replace(result, root_solution=None, bodies={}) if result is not None else None
     shared: Result = comm.bcast(light)
     return result or shared
 
@@ -210,7 +210,7 @@ class _Run:
             case=case,
             loads=solution.loads,
             contacts=contacts,
-            solution=solution,
+            root_solution=solution,
             notes=(
                 *case_notes(case),
                 *model.notes,

@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-from fretfe.idealise.bodies import unlike_obstacles
 from fretfe.idealise.case import NotIdealisable, idealise, obstacles
 from fretfe.idealise.problem import HalfPlaneProblem
 
-__all__ = ["HalfPlaneProblem", "NotIdealisable", "idealise", "obstacles", "unlike_obstacles"]
+__all__ = ["HalfPlaneProblem", "NotIdealisable", "idealise", "obstacles"]

@@ -185,27 +185,6 @@ def geometry_obstacles(case: Case) -> Iterator[str]:
     yield from _crystal_obstacles(case)
 
 
-def unlike_obstacles(case: Case) -> Iterator[str]:
-    """Reasons why closed forms do not hold for the materials of a case that is half-planes.
-
-    There is no closed form of partial slip between unlike bodies.
-    """
-    (contact,) = case.contacts
-    beta = coupled_beta(case, contact, UPPER, LOWER)
-    if abs(beta) > SIMILAR:
-        yield (
-            "bodies: expected elastically similar bodies (Dundurs' beta up to "
-            f"{SIMILAR:g}), found beta = {beta:.3g}: pressure and shear depend on each other, and "
-            "there is no closed form of partial slip; use the backend 'halfplane'"
-        )
-    ratio = tangential_ratio(case)
-    if abs(ratio - 1) > ALIKE:
-        yield (
-            "bodies: expected crystals that yield to pressure and to shear alike, found a ratio of "
-            f"{ratio:.4g} of both compliances, by which slip differs; use the backend 'halfplane'"
-        )
-
-
 def tangential_ratio(case: Case) -> float:
     """Compliance of two half-planes to shear over that to pressure; 1 if isotropic."""
     pair = case.bodies[UPPER], case.bodies[LOWER]

@@ -248,7 +248,7 @@ def _profile(
 ) -> Profile | None:
     """Tractions next to an edge of the contact `name`, up to its centre."""
     begin, end = cycle
-    if result.solution is None or not result.solution.keeps(begin, end):
+    if not result.solution.keeps(begin, end):
         return None
     history = result.contact_history(name)
     k_t = station.k_along[begin : end + 1]

@@ -37,7 +37,6 @@ class Quantity:
         tolerances: largest difference by backend, as a fraction of the scale. A backend that is not
             named here is held to the widest of them.
         measure: finds the number in the results of a backend.
-        needs_tractions: whether that takes tractions, which not every backend has.
         of_twin: finds the known value in the results of the benchmark's twin; it is the scale too.
     """
 
@@ -46,7 +45,6 @@ class Quantity:
     scale: float
     tolerances: Mapping[str, float]
     measure: Measure
-    needs_tractions: bool = False
     of_twin: Measure | None = None
 
     def against(self, twin: Result | None) -> Quantity:
@@ -119,9 +117,6 @@ def remark(benchmark: str, backend: str, verdict: Verdict, reason: str, quantity
 
 def compare(benchmark: str, quantity: Quantity, backend: str, result: Result) -> Row:
     """Compare one number of a result with its known value; on rank 0."""
-    if quantity.needs_tractions and result.solution is None:
-        reason = "the backend gives no tractions"
-        return remark(benchmark, backend, Verdict.SKIPPED, reason, quantity.name)
     computed = quantity.measure(result)
     difference = (computed - quantity.reference) / quantity.scale
     tolerance = quantity.tolerance(backend)

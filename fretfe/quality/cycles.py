@@ -117,7 +117,7 @@ def slip_lengths(loop: Loop) -> tuple[Quantity, ...]:
     """Slip lengths at the left and the right edge."""
     # The table resolves 0.005. Where the closed form is not exact it is the asymptote: 0.0114 off
     # for the longest of these zones, of the order of d^2/(2a).
-    tolerances = {"analytic": 0.005 if loop.exact else 0.015, "halfplane": 0.005, "fem": 0.009}
+    tolerances = {"halfplane": 0.005, "fem": 0.009}
     return at_both_edges("d {}", loop.length, HALF_WIDTH, tolerances, measures.slip_length)
 
 
@@ -125,7 +125,7 @@ def predicted_lengths(loop: Loop) -> tuple[Quantity, ...]:
     """ΔK_T/(f K_N) at both edges, for the known range of K_T."""
     # Four digits are given. Finite elements: 0.5 % in ΔK_T or K_N of the longest zone, 0.2 a.
     digits = 0.5e-4 + loop.missed * max(loop.asymptotic)
-    tolerances = {"analytic": digits, "halfplane": digits + 2e-5, "fem": 0.001}
+    tolerances = {"halfplane": digits + 2e-5, "fem": 0.001}
     return at_both_edges(
         "ΔK_T/(f K_N) {}", loop.asymptotic, HALF_WIDTH, tolerances, measures.predicted_length
     )
@@ -141,11 +141,7 @@ def factor_ranges(loop: Loop) -> tuple[Quantity, ...]:
     )
     # Half-planes: the half-width, which is fitted. Finite elements: fits of K_T, and bodies; two
     # ways of fitting differed by 0.2 %.
-    tolerances = {
-        "analytic": loop.missed + 1e-9,
-        "halfplane": loop.missed + 3e-5,
-        "fem": 0.004,
-    }
+    tolerances = {"halfplane": loop.missed + 3e-5, "fem": 0.004}
     return at_both_edges("ΔK_T {}", ranges, max(ranges), tolerances, measures.k_t_range)
 
 
@@ -228,9 +224,9 @@ def _cyclic_shear(punch: Punch) -> Benchmark:
     shear_force = FRICTION * (punch.load - punch.stick_load)
     # Half-planes: K_N of the wedge and of the rounding by a fit, borders to a tenth of an element.
     # Finite elements: the wedge feels its bodies (a 0.1 %), K_N the elements at the edge.
-    width = {"analytic": 1e-9, "halfplane": 6e-5, "fem": 0.0012}
-    factor = {"analytic": 1e-9, "halfplane": 1e-3, "fem": 0.008}
-    length = {"analytic": 1e-9, "halfplane": 6e-4, "fem": 0.002}
+    width = {"halfplane": 6e-5, "fem": 0.0012}
+    factor = {"halfplane": 1e-3, "fem": 0.008}
+    length = {"halfplane": 6e-4, "fem": 0.002}
     quantities = [
         Quantity("a", HALF_WIDTH, HALF_WIDTH, width, measures.half_width),
         Quantity("K_N", punch.k_n, punch.k_n, factor, measures.k_n),
@@ -282,7 +278,7 @@ def _friction_work(load: float, shear_force: float) -> Quantity:
     """W = 4 (fP)^2/(pi E*) [u (2 - u)/2 + (1 - u) ln(1 - u)], u = Q1/(fP), both edges."""
     work = float(hertz_dissipation(Hertz(RADIUS, E_STAR), load, FRICTION, shear_force))
     # The work goes with the cube of the slip length.
-    tolerances = {"analytic": 1e-9, "halfplane": 5e-4, "fem": 0.005}
+    tolerances = {"halfplane": 5e-4, "fem": 0.005}
     return Quantity("friction work", work, work, tolerances, measures.dissipation)
 
 
@@ -310,7 +306,7 @@ def _varying(
     start = mean + change * math.sin(math.radians(lead))
     # Out of phase the extremes of Q - fP and Q + fP lie between steps: 2e-6. The edge travels over
     # 0.18 a, and all of that slips: finite elements find the border to half an element of 0.01 a.
-    tolerances = {"analytic": 5e-6, "halfplane": 4e-4, "fem": 0.008}
+    tolerances = {"halfplane": 4e-4, "fem": 0.008}
     return Benchmark(
         name=f"normal load varies, {name}",
         source="Barber, Davies and Hills 2011",
@@ -332,7 +328,7 @@ def _varying(
 def rocking() -> Benchmark:
     """A pad that is free to turn: the Hertz contact shifts by M/P, its width stays."""
     shift = 0.1 * HALF_WIDTH
-    tolerances = {"analytic": 1e-9, "halfplane": 6e-5, "fem": 0.0015}
+    tolerances = {"halfplane": 6e-5, "fem": 0.0015}
     return Benchmark(
         name="moment, Hertz",
         source="a parabola that turns is the same parabola at another place: Johnson 1985, 4.2",

@@ -76,8 +76,6 @@ def carried(result: Result) -> Iterator[Carried]:
 
     Runs of other programs have no contacts that could be read: nothing is said of them.
     """
-    if result.solution is None:
-        return
     case, known = result.case, set()
     for name, load in case.cut_loads.items():
         folder = case.resolve(load.file)
@@ -105,7 +103,6 @@ def _carried(result: Result, run: Result, name: str, load: FieldLoad, pair: str)
         return _unknown(name, pair, f"the run has no contact {pair!r}")
     if not _same_units(load):
         return _unknown(name, pair, "the run has another unit of length")
-    assert result.solution is not None and run.solution is not None
     if result.solution.kept is not None or run.solution.kept is not None:
         return _unknown(name, pair, "the tractions of all states are not kept")
     # At the states of the part, by those of the run at its positions.
@@ -139,8 +136,8 @@ def _same_units(load: FieldLoad) -> bool:
     return load.factor == load.displacement_scale == 1
 
 
-def _patches(solution: Solution | None, pair: str) -> list[ContactHistory]:
-    return [each for each in solution.contacts if each.pair == pair] if solution else []
+def _patches(solution: Solution, pair: str) -> list[ContactHistory]:
+    return [each for each in solution.contacts if each.pair == pair]
 
 
 def pressed_nodes(patches: list[ContactHistory]) -> Indices:
@@ -317,7 +314,7 @@ def carried_notes(result: Result) -> Iterator[str]:
 
 def followed_notes(result: Result) -> Iterator[str]:
     """Difference that another program makes where it follows the deformed surfaces, in words."""
-    case, histories = result.case, result.solution.contacts if result.solution else ()
+    case, histories = result.case, result.solution.contacts
     if not all(case.resolve(each.file).is_dir() for each in case.cut_loads.values()):
         yield from surface_notes(case, histories, result.contacts, result.limits)
 
@@ -358,7 +355,6 @@ def second_cut(result: Result) -> Case | str:
     fields = case.cut_loads
     if len(result.contacts) != 1 and case.geometry.part is None:
         return "there are several contacts, and no circle or ball around one of them"
-    assert result.solution is not None
     pressed = np.concatenate(
         [each.surface.points[pressed_nodes([each])] for each in result.solution.contacts]
     )

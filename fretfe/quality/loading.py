@@ -25,11 +25,9 @@ def relative(
     reference: float,
     measure: Measure,
     tolerances: dict[str, float],
-    *,
-    needs_tractions: bool = False,
 ) -> Quantity:
     """A quantity whose differences are fractions of its known value."""
-    return Quantity(name, reference, abs(reference), tolerances, measure, needs_tractions)
+    return Quantity(name, reference, abs(reference), tolerances, measure)
 
 
 def two_cylinders() -> Benchmark:
@@ -52,13 +50,13 @@ def _cylinder_factors(half_width: float) -> tuple[Quantity, ...]:
     # Half-planes: the fits at the edge, on elements of 0.003 a there; the border of the stick zone
     # is found to a tenth of an element. Finite elements: bodies of 12 a,
     # which leave 0.3 to 0.6 % in K_T.
-    width = {"analytic": DIGITS, "halfplane": 6e-5, "fem": 0.005}
+    width = {"halfplane": 6e-5, "fem": 0.005}
     factor = width | {"halfplane": FITTED}
     shear_factor = width | {"halfplane": 2e-5, "fem": 0.01}
-    length = {"analytic": DIGITS, "halfplane": 5e-4, "fem": 0.002}
+    length = {"halfplane": 5e-4, "fem": 0.002}
     return (
         relative("a", half_width, measures.half_width, width),
-        relative("p0", 9.351351, measures.peak_pressure, width, needs_tractions=True),
+        relative("p0", 9.351351, measures.peak_pressure, width),
         relative("K_N", 16.02826, measures.k_n, factor),
         relative("K_T", 0.255377, measures.k_t, shear_factor),
         Quantity("d", 0.184267, half_width, length, measures.mean_slip_length),
@@ -72,7 +70,7 @@ def _cylinder_shear() -> tuple[Quantity, ...]:
     # a shift of that by 0.002 a is what 0.5 % are.
     tolerances = {"halfplane": 3e-4, "fem": 0.01}
     return tuple(
-        Quantity(f"q at x = {x:g}", q, largest, tolerances, measures.shear_at(x), True)
+        Quantity(f"q at x = {x:g}", q, largest, tolerances, measures.shear_at(x))
         for x, q in values.items()
     )
 
@@ -88,16 +86,16 @@ def cylinder_on_block() -> Benchmark:
     pad = Pad("cylinder", parameters, friction=0.0, young=(210e3, 70e3), poisson=0.3)
     # Five digits are given for a. Finite elements: the face is a circle, which rises 0.4 % more
     # than the parabola at the edge, and the cylinder is 14 a wide.
-    width = {"analytic": 1e-5, "halfplane": 6e-5, "fem": 0.0013}
+    width = {"halfplane": 6e-5, "fem": 0.0013}
     pressure = width | {"fem": 0.004}
-    factor = {"analytic": DIGITS, "halfplane": FITTED, "fem": 0.01}
+    factor = {"halfplane": FITTED, "fem": 0.01}
     return Benchmark(
         name="cylinder on block, frictionless",
         source="Hertz 1882; data of NAFEMS contact benchmark 1 (Konter 2006)",
         case=pad_case(pad, normal=[press(35e3)]),
         quantities=(
             relative("a", half_width, measures.half_width, width),
-            relative("p0", 3585.36, measures.peak_pressure, pressure, needs_tractions=True),
+            relative("p0", 3585.36, measures.peak_pressure, pressure),
             relative("K_N", 2033.95, measures.k_n, factor),
         ),
     )
@@ -112,10 +110,10 @@ def _specimen(friction: float, stick: float, centre: float) -> Benchmark:
     half_width, radius = 0.206698, 10.0
     parameters = hertz_parameters(radius, half_width)
     pad = Pad("cylinder", parameters, friction, (72.1e3, 72.1e3), 0.33, thickness=4.0)
-    width = {"analytic": DIGITS, "halfplane": 6e-5, "fem": 0.001}
-    factor = {"analytic": DIGITS, "halfplane": FITTED, "fem": 0.0015}
+    width = {"halfplane": 6e-5, "fem": 0.001}
+    factor = {"halfplane": FITTED, "fem": 0.0015}
     # Five digits are given. The borders of the stick zone are found to a tenth of an element.
-    length = {"analytic": 1e-5, "halfplane": 3e-4, "fem": 0.0025}
+    length = {"halfplane": 3e-4, "fem": 0.0025}
     return Benchmark(
         name=f"fretting specimen, f = {friction:g}",
         source="Nowell and Hills 1987; data of Kosec, Slak, Abdel Wahab et al. 2019",
@@ -127,7 +125,7 @@ def _specimen(friction: float, stick: float, centre: float) -> Benchmark:
         ),
         quantities=(
             relative("a", half_width, measures.half_width, width),
-            relative("p0", 418.104, measures.peak_pressure, width, needs_tractions=True),
+            relative("p0", 418.104, measures.peak_pressure, width),
             relative("K_N", 1300.56, measures.k_n, factor),
             Quantity("c/a", stick, 1.0, length, measures.stick_half_width_ratio),
             Quantity("e/a", centre, 1.0, length, measures.stick_centre_ratio),
@@ -145,7 +143,7 @@ def sliding_wedge() -> Benchmark:
         name="sliding wedge block",
         source="NAFEMS CGS-4 (Feng and Prinja 2001)",
         case=_case(),
-        quantities=(Quantity("H/V", ratio, ratio, tolerances, measure, needs_tractions=True),),
+        quantities=(Quantity("H/V", ratio, ratio, tolerances, measure),),
     )
 
 

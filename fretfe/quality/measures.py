@@ -97,7 +97,6 @@ def stick_border(side: int) -> Measure:
 
 def peak_pressure(result: Result) -> float:
     """Largest pressure."""
-    assert result.solution is not None
     return float(result.solution.contacts[0].mean_traction[-1, :, 0].max())
 
 
@@ -105,7 +104,6 @@ def shear_at(x: float) -> Measure:
     """Shear at a distance from the centre, mean of both sides."""
 
     def measure(result: Result) -> float:
-        assert result.solution is not None
         contact = result.solution.contacts[0]
         places = _contact(result).centre[-1] + np.array([-x, x])
         shear = contact.mean_traction[-1, :, 1]
@@ -118,7 +116,6 @@ def force_ratio(numerator: str, denominator: str) -> Measure:
     """Ratio of the forces of two platen loads."""
 
     def measure(result: Result) -> float:
-        assert result.solution is not None
         forces = dict(zip(result.solution.coordinates, result.solution.forces[-1], strict=True))
         return float(forces[numerator] / forces[denominator])
 

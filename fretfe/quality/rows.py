@@ -234,8 +234,6 @@ def hertz_rows(result: Result) -> Iterator[Row]:
 
 
 def _solution_rows(result: Result) -> Iterator[Row]:
-    if result.solution is None:
-        return
     certificates = result.solution.certificates
     worst = float(certificates["worst"].max())
     reason = "relative violation of penetration, friction cone, stick, slip direction"
@@ -251,7 +249,7 @@ def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
         yield _shear_row(at, contact.shear_mismatch)
     quantity, change = "change of q", contact.cycle_change
     if math.isnan(change):
-        given = "no cycle, no friction, or a backend that gives the steady cycle itself"
+        given = "no cycle, or no friction"
         yield at.missing(quantity, given)
     else:
         given = "relative to f p_max: the cycle is steady"
@@ -365,7 +363,7 @@ def _traction_rows(at: Place, result: Result, contact: Contact, station: Station
     one bound to the other there. The shear itself is at the bound farther inward at the reversal
     that the first loading has reached: that keeps its longer zone.
     """
-    if result.solution is None or not station.slip_zones:
+    if not station.slip_zones:
         return
     if station.k_i_range > CONSTANT_NORMAL * station.k_range:
         reason = "the normal load varies: the shear keeps traces of slip with other edges"

@@ -67,7 +67,7 @@ def sheared_sphere() -> Benchmark:
         # Elements of a/8 and bodies 20 a high.
         quantities=(
             Quantity("a", 1.0, 1.0, {"fem": 0.005}, measures.front_radius),
-            Quantity("p0", peak, peak, {"fem": 0.01}, measures.peak_pressure, needs_tractions=True),
+            Quantity("p0", peak, peak, {"fem": 0.01}, measures.peak_pressure),
             Quantity("K_N", k_n, k_n, {"fem": 0.015}, measures.front_last("k_n")),
             Quantity(
                 "ΔK", shear_range, shear_range, {"fem": 0.015}, measures.front_mean("k_range")
@@ -200,8 +200,7 @@ def _same(
     name: str, measure: Measure, of_twin: Measure, tolerances: Mapping[str, float]
 ) -> Quantity:
     """A number that is to be that of the benchmark's twin."""
-    tractions = measure is measures.peak_pressure
-    return Quantity(name, math.nan, math.nan, tolerances, measure, tractions, of_twin)
+    return Quantity(name, math.nan, math.nan, tolerances, measure, of_twin)
 
 
 def _pad_case(*, solid: bool) -> Case:

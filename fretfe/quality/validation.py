@@ -8,13 +8,14 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
+from itertools import chain
 from typing import Any
 
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from fretfe.backends import Backend, RunOptions
+from fretfe.backends import Backend, RunOptions, processes_of
 from fretfe.backends.protocol import DEFAULTS, Session, session_of
 from fretfe.case import Case
 from fretfe.console import Console
@@ -116,15 +117,15 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         if result.failure is not None:
             raise result.failure
         options.keep(result)
-        rows: list[Row] = []
-        for name, find in OWN_ROWS.items():
-            rows += _attempted(name, partial(find, result))
-        variants, reasons = make_variants(case, result)
+        on_root = processes_of(backend).on_root
+        rows = on_root(lambda: _own_rows(result))
+        variants, reasons = on_root(lambda: make_variants(case, result))
         rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]
         options.observer.phase(plan(variants, result))
         for variant in variants:
             options.observer.phase(variant.name)
-            rows += _companion(variant, session, result, companion_options(options, variant))
+            other = _companion(variant, session, companion_options(options, variant))
+            rows += on_root(partial(_rows_of, variant.name, result, other))
     return Validation(result, tuple(rows))
 
 
@@ -140,19 +141,28 @@ def companion_options(options: RunOptions, variant: Variant) -> RunOptions:
     )
 
 
-def _companion(
-    variant: Variant, session: Session, result: Result, options: RunOptions
-) -> list[Row]:
-    """Rows of one companion; one that has no solution says so in a row of its own."""
+def _own_rows(result: Result) -> list[Row]:
+    """Rows of the case itself; on the first process."""
+    found = (_attempted(name, partial(find, result)) for name, find in OWN_ROWS.items())
+    return list(chain.from_iterable(found))
+
+
+def _companion(variant: Variant, session: Session, options: RunOptions) -> Result | str:
+    """The result of a companion, or why there is none."""
     try:
         other = session.solve(variant.case, options)
     except FretfeError as error:
-        return [EVERYWHERE.missing(variant.name, f"no solution: {error}")]
+        return str(error)
     if isinstance(other.failure, StoppedError):
         raise other.failure
-    if other.failure is not None:
-        return [EVERYWHERE.missing(variant.name, f"no solution: {other.failure}")]
-    return _attempted(variant.name, partial(companion_rows, variant.name, result, other))
+    return other if other.failure is None else str(other.failure)
+
+
+def _rows_of(name: str, result: Result, other: Result | str) -> list[Row]:
+    """Rows of one companion; one that has no solution says so in a row of its own."""
+    if isinstance(other, str):
+        return [EVERYWHERE.missing(name, f"no solution: {other}")]
+    return _attempted(name, partial(companion_rows, name, result, other))
 
 
 def _attempted(name: str, find: Callable[[], Iterable[Row]]) -> list[Row]:

@@ -102,9 +102,7 @@ class Shown:
 
 
 def shown_contacts(run: Result) -> list[Shown]:
-    """The contacts whose tractions are known."""
-    if run.solution is None:
-        return []
+    """The contacts with their tractions."""
     pairs = zip(run.contacts, run.solution.contacts, strict=True)
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
 
@@ -129,14 +127,11 @@ def worst_states(shown: Shown) -> Indices:
 
     Empty if the loads are regular.
     """
-    assert shown.run.solution is not None
     return stress.worst_states(shown.run.solution, [shown.summary])
 
 
 def worst_run_states(run: Result) -> Indices:
     """(n,) the same of all contacts together: those of the largest range of all stations."""
-    if run.solution is None:
-        return np.zeros(0, dtype=np.int64)
     return stress.worst_states(run.solution, run.contacts)
 
 

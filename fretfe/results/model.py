@@ -49,8 +49,7 @@ class Result:
             cycle is then None.
         contacts: resultants, fronts and slip zones of each contact, in the order of the case.
         backend: name of the backend, which the caller of the backend fills in.
-        solution: tractions along the contacts; None if the backend has none, or on ranks other
-            than 0.
+        root_solution: `solution` on rank 0; None on the others.
         notes: what was assumed, in words.
         failure: why not all steps were solved, or None.
         bodies: the meshes, by body; empty without meshes, or on ranks other than 0.
@@ -66,8 +65,8 @@ class Result:
     case: Case
     loads: History
     contacts: tuple[Contact, ...]
+    root_solution: Solution | None
     backend: str = ""
-    solution: Solution | None = None
     notes: tuple[str, ...] = ()
     failure: ConvergenceError | None = None
     bodies: Mapping[str, BodyMesh] = field(default_factory=dict)
@@ -88,6 +87,20 @@ class Result:
             text = f"the mesh is not fine enough for edges.tolerance: {refinement.reason}"
             run = (Caution(Kind.NOT_CONVERGED, Subject(), text),)
         return (*run, *(each for contact in self.contacts for each in contact.warnings))
+
+    @property
+    def solution(self) -> Solution:
+        """Steps as they were solved, and tractions along the contacts.
+
+        Raises:
+            OutputError: on ranks other than 0, which have none.
+        """
+        if self.root_solution is None:
+            raise OutputError(
+                f"{self.directory or self.case.source}: expected tractions along the contacts, "
+                "found none: they are those of process 0"
+            )
+        return self.root_solution
 
     @property
     def solid(self) -> bool:
@@ -193,14 +206,8 @@ class Result:
         """Return tractions, gap and slip along a contact, or along one of its patches.
 
         Raises:
-            OutputError: if there are none: the backend has none, this is not process 0, or there
-                is no such contact.
+            OutputError: if there is no such contact, or this is not process 0.
         """
-        if self.solution is None:
-            raise OutputError(
-                f"expected tractions along the contact {contact!r}, found none: {self.backend!r} "
-                "has none, or this process is not the first one"
-            )
         for each in self.solution.contacts:
             if each.name == contact:
                 return each
@@ -216,7 +223,6 @@ class Result:
             OutputError: as for `contact_history`, or if not all states of the cycle are kept.
         """
         history = self.contact_history(contact)
-        assert self.solution is not None
         states = self.solution.loads.evaluated
         if not self.solution.keeps(*states):
             raise OutputError(
@@ -289,7 +295,7 @@ class Result:
         Raises:
             DependencyError: if xarray is not installed.
         """
-        return make_dataset(self.loads, self.contacts, self.solution)
+        return make_dataset(self.loads, self.contacts, self.root_solution)
 
     def _repr_html_(self) -> str:
         """The edges, or the contacts of solids, as a table for notebooks."""

@@ -197,10 +197,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         cycle or None,
         choice=CycleChoice(choice) if choice else None,
     )
-    solution: Solution | None = None
-    bodies: dict[str, BodyMesh] = {}
-    if numbers["steps"] is not None:
-        solution, bodies = _read_arrays(directory / ARRAYS, case, history, numbers)
+    solution, bodies = _read_arrays(directory / ARRAYS, case, history, numbers)
     refinement = numbers["refinement"]
     return Result(
         case=case,
@@ -209,7 +206,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         contacts=contacts,
         notes=tuple(numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
-        solution=solution,
+        root_solution=solution,
         bodies=bodies,
         versions=numbers["versions"],
         seconds=numbers["seconds"],

@@ -481,6 +481,7 @@ def make_dataset(
     """Make a dataset with the dimensions time, load, contact and axis, and nodes by contact.
 
     Stations of plane contacts have the dimensions contact and edge, those of solids station.
+    Ranks other than 0 have no solution.
 
     Raises:
         DependencyError: if xarray is not installed.

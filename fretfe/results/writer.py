@@ -121,7 +121,7 @@ def remove_pictures(directory: Path) -> None:
 
 
 def write_results(directory: Path, result: Result) -> None:
-    """Write `results.json`; `results.h5` if there are tractions, of solids more.
+    """Write `results.json`; `results.h5`, of solids more.
 
     Args:
         directory: existing folder.
@@ -140,11 +140,8 @@ def write_results(directory: Path, result: Result) -> None:
         # What keeps them from being written must not keep the numbers from it.
         surfaces = partial(_write_surfaces, result=result)
         late = _failure(partial(_attempt, directory / SURFACES, surfaces))
-        if result.solution is not None or lists:
-            with replacing(directory / ARRAYS) as new:
-                _write_arrays(new, result, lists)
-        else:
-            (directory / ARRAYS).unlink(missing_ok=True)
+        with replacing(directory / ARRAYS) as new:
+            _write_arrays(new, result, lists)
         replace_text(directory / NUMBERS, text + "\n")
         _attempt(directory / STATIONS_FILE, lambda path: write_stations(path, result.contacts))
         times = result.loads.times
@@ -194,7 +191,7 @@ def _failure(write: Callable[[], None]) -> OSError | None:
 def _write_surfaces(path: Path, result: Result) -> None:
     """Write the contact surfaces of solids; of plane bodies there are none, nor any file."""
     solution = result.solution
-    if solution is not None and solution.dimension == 3:
+    if solution.dimension == 3:
         with replacing(path) as new:
             write_surfaces(new, solution, kept_states(result, solution))
     else:
@@ -207,11 +204,10 @@ def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> Non
         store(file, "times", result.loads.times)
         for name, values in lists.items():
             store(file, name, values)
-        if solution is not None:
-            states = kept_states(result, solution)
-            store(file, "states", states)
-            for contact in solution.contacts:
-                _write_contact(file.create_group(f"contacts/{contact.name}"), contact, states)
+        states = kept_states(result, solution)
+        store(file, "states", states)
+        for contact in solution.contacts:
+            _write_contact(file.create_group(f"contacts/{contact.name}"), contact, states)
         for name, body in result.bodies.items():
             _write_mesh(file.create_group(f"mesh/{name}"), body)
 
@@ -264,10 +260,8 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
     )
 
 
-def _solution_numbers(solution: Solution | None) -> dict[str, Any]:
-    """Steps as they were solved, and coordinates of the bodies; null without a solution."""
-    if solution is None:
-        return {"drivers": None, "coordinates": None, "steps": None}
+def _solution_numbers(solution: Solution) -> dict[str, Any]:
+    """Steps as they were solved, and coordinates of the bodies."""
     return {
         "drivers": dict(zip(solution.drivers, solution.driver_values.T, strict=True)),
         "coordinates": {

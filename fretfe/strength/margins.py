@@ -139,12 +139,9 @@ def _edge(
 
 
 def _bodies(result: Result, pair: str) -> tuple[AnyBody, ...]:
-    """The two bodies of a contact; all of the case if a result does not tell which they are."""
-    named = result.solution.contacts if result.solution is not None else ()
-    for each in named:
-        if each.pair == pair:
-            return result.case.bodies[each.body1], result.case.bodies[each.body2]
-    return tuple(result.case.bodies.values())
+    """The two bodies of a contact."""
+    named = next(each for each in result.solution.contacts if each.pair == pair)
+    return result.case.bodies[named.body1], result.case.bodies[named.body2]
 
 
 def _obstacle(result: Result, pair: str, k_n: float, k_t_range: float) -> str:

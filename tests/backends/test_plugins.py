@@ -76,23 +76,23 @@ def listing(done: subprocess.CompletedProcess[str]) -> dict[str, list[str]]:
 @pytest.mark.usefixtures("plugin")
 def test_installed_backend_is_listed() -> None:
     rows = listing(fretfe("backends"))
-    assert list(rows) == ["analytic", "halfplane", "fem", "two_terms"]
+    assert list(rows) == ["halfplane", "fem", "two_terms"]
     usable, package, summary = rows["two_terms"]
     assert (usable, package) == ("yes", "fretfe-two-terms 0.1.0")
     assert summary.startswith("Hertz under a shear force")
-    assert rows["analytic"][:1] == rows["halfplane"][:1] == ["yes"]
+    assert rows["halfplane"][0] == "yes"
 
 
 @pytest.mark.usefixtures("plugin")
 def test_installed_backend_solves_a_case(tmp_path: Path) -> None:
-    for name in ("two_terms", "analytic"):
+    for name in ("two_terms", "halfplane"):
         done = fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", name)
         assert done.returncode == 0, done.stderr
     formula, exact = (
         json.loads((tmp_path / name / "results.json").read_text())
-        for name in ("two_terms", "analytic")
+        for name in ("two_terms", "halfplane")
     )
-    assert (formula["backend"], exact["backend"]) == ("two_terms", "analytic")
+    assert (formula["backend"], exact["backend"]) == ("two_terms", "halfplane")
     assert "slip lengths by: two terms of the expansion in d/a" in formula["notes"]
     # Q1/(f P) = u; two terms d/a = u/2 + u²/8 against 1 - sqrt(1 - u), both in the steady cycle.
     u, a = 60 / (0.4 * 600), formula["contacts"]["main"]["half_width"][-1]
@@ -103,8 +103,9 @@ def test_installed_backend_solves_a_case(tmp_path: Path) -> None:
     for edge, other in zip(*edges, strict=True):
         assert len(edge["slip_zones"]) == len(other["slip_zones"]) == 4
         for zone, reference in zip(edge["slip_zones"][::3], other["slip_zones"][::3], strict=True):
-            assert np.isclose(zone["length"], a * (u / 2 + u**2 / 8), rtol=1e-9)
-            assert np.isclose(reference["length"], a * (1 - np.sqrt(1 - u)), rtol=1e-9)
+            # Half-planes: K_N, by a fit, to 6e-6, and the border to a tenth of an element.
+            assert np.isclose(zone["length"], a * (u / 2 + u**2 / 8), rtol=1e-4)
+            assert np.isclose(reference["length"], a * (1 - np.sqrt(1 - u)), rtol=5e-3)
 
 
 @pytest.mark.usefixtures("plugin")
@@ -130,7 +131,7 @@ def test_installed_backend_says_what_it_cannot_solve(
 def test_listing_says_which_backends_can_solve_a_case() -> None:
     rows = listing(fretfe("backends", DEMOS / "dovetail.toml"))
     assert rows["fem"][0] == ("yes" if HAS_DOLFINX else "no")
-    for name in ("analytic", "halfplane", "two_terms"):
+    for name in ("halfplane", "two_terms"):
         usable, _, reason = rows[name]
         assert usable == "no" and "found 'dovetail'" in reason
 
@@ -165,8 +166,8 @@ def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.usefixtures("broken")
 def test_broken_backends_are_listed_with_the_reason() -> None:
     rows = listing(fretfe("backends"))
-    assert list(rows) == ["analytic", "halfplane", "fem", *sorted(BROKEN)]
-    assert rows["analytic"][0] == rows["halfplane"][0] == "yes"
+    assert list(rows) == ["halfplane", "fem", *sorted(BROKEN)]
+    assert rows["halfplane"][0] == "yes"
     for name, (*_, words) in BROKEN.items():
         usable, package, reason = rows[name]
         assert (usable, package) == ("no", f"{name} 1.0")
@@ -175,7 +176,7 @@ def test_broken_backends_are_listed_with_the_reason() -> None:
 
 @pytest.mark.usefixtures("broken")
 def test_broken_backend_does_not_disturb_the_others() -> None:
-    done = fretfe("run", "--no-report", "case.toml", "--backend", "analytic", "-o", "out")
+    done = fretfe("run", "--no-report", "case.toml", "--backend", "halfplane", "-o", "out")
     assert done.returncode == 0, done.stderr
 
 
@@ -192,7 +193,15 @@ def test_broken_backend_cannot_be_chosen(tmp_path: Path, name: str) -> None:
 def test_unknown_backend_is_answered_with_the_names(tmp_path: Path) -> None:
     done = fretfe("run", "--no-report", "case.toml", "--backend", "halfplan", "-o", "out")
     assert done.returncode == 2
-    assert "'halfplan'" in done.stderr and "analytic, halfplane, fem" in done.stderr
+    assert "'halfplan'" in done.stderr and "halfplane, fem" in done.stderr
+    assert not (tmp_path / "out").exists()
+
+
+def test_the_backend_of_earlier_versions_names_what_takes_its_place(tmp_path: Path) -> None:
+    done = fretfe("run", "--no-report", "case.toml", "--backend", "analytic", "-o", "out")
+    assert done.returncode == 2
+    assert "no backend is called 'analytic'" in done.stderr
+    assert "'halfplane' solves the same cases" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
@@ -220,7 +229,7 @@ def without_dolfinx(*arguments: str) -> subprocess.CompletedProcess[str]:
 
 def test_without_dolfinx_fem_says_why_it_cannot_be_used(tmp_path: Path) -> None:
     rows = listing(without_dolfinx("backends"))
-    assert [row[0] for row in rows.values()] == ["yes", "yes", "no"]
+    assert [row[0] for row in rows.values()] == ["yes", "no"]
     reason = rows["fem"][-1]
     assert "needs DOLFINx" in reason and "pip install" in reason
     done = without_dolfinx("run", "--no-report", "case.toml", "--backend", "fem", "-o", "out")
@@ -229,8 +238,7 @@ def test_without_dolfinx_fem_says_why_it_cannot_be_used(tmp_path: Path) -> None:
     assert not (tmp_path / "out").exists()
 
 
-@pytest.mark.parametrize("name", ["analytic", "halfplane"])
-def test_without_dolfinx_half_planes_are_solved(tmp_path: Path, name: str) -> None:
-    done = without_dolfinx("run", "--no-report", "case.toml", "--backend", name, "-o", "out")
+def test_without_dolfinx_half_planes_are_solved(tmp_path: Path) -> None:
+    done = without_dolfinx("run", "--no-report", "case.toml", "--backend", "halfplane", "-o", "out")
     assert done.returncode == 0, done.stderr
-    assert json.loads((tmp_path / "out" / "results.json").read_text())["backend"] == name
+    assert json.loads((tmp_path / "out" / "results.json").read_text())["complete"]

@@ -20,7 +20,6 @@ from fretfe.analytic.edges import tangential_factor
 from fretfe.analytic.profiles import Hertz, composite_modulus, edge_factor_k_n
 
 DESCRIPTION = Path(__file__).parents[2] / "docs" / "results.md"
-BACKENDS = ("analytic", "halfplane")
 STATES = 21
 
 
@@ -34,19 +33,18 @@ def _elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
-def run(case: Path, backend: str, out: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    return launch.python("-m", "fretfe", "run", case, "--backend", backend, "-o", out, *options)
+def run(case: Path, out: Path, *options: str) -> subprocess.CompletedProcess[str]:
+    return launch.python("-m", "fretfe", "run", case, "--backend", "halfplane", "-o", out, *options)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a case, and the results of each backend in a folder of its name."""
+    """A folder with a case, its results, and what was printed."""
     path = tmp_path_factory.mktemp("run")
     (path / "pad.toml").write_text(HERTZ)
-    for backend in BACKENDS:
-        done = run(path / "pad.toml", backend, path / backend)
-        assert done.returncode == 0, done.stderr
-        (path / f"{backend}.txt").write_text(done.stdout)
+    done = run(path / "pad.toml", path / "halfplane")
+    assert done.returncode == 0, done.stderr
+    (path / "halfplane.txt").write_text(done.stdout)
     return path
 
 
@@ -61,22 +59,16 @@ def described(section: str) -> set[str]:
     return {key for cell in first_cells for key in re.findall(r"`(\w+)`", cell)}
 
 
-@pytest.mark.parametrize(
-    ("backend", "files"),
-    [
-        ("analytic", set()),
-        ("halfplane", {"results.h5"}),
-    ],
-)
-def test_files(folder: Path, backend: str, files: set[str]) -> None:
-    common = {"results.json", "stations.csv", "report.html", "pictures", "case.toml", "run.json"}
-    assert {path.name for path in (folder / backend).iterdir()} == common | files
-    assert (folder / backend / "case.toml").read_text() == HERTZ
+def test_files(folder: Path) -> None:
+    assert {path.name for path in (folder / "halfplane").iterdir()} == {
+        "results.json", "results.h5", "stations.csv", "report.html", "pictures", "case.toml",
+        "run.json",
+    }  # fmt: skip
+    assert (folder / "halfplane" / "case.toml").read_text() == HERTZ
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_keys_are_those_of_the_document(folder: Path, backend: str) -> None:
-    data = numbers(folder / backend)
+def test_keys_are_those_of_the_document(folder: Path) -> None:
+    data = numbers(folder / "halfplane")
     assert set(data) == described("Top level")
     contact = data["contacts"]["main"]
     assert set(contact) == described("`contacts.NAME`")
@@ -87,21 +79,15 @@ def test_keys_are_those_of_the_document(folder: Path, backend: str) -> None:
             assert set(zone) == described("`contacts.NAME.fronts[i].stations[0].slip_zones[j]`")
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
-def test_run_is_described(folder: Path, backend: str) -> None:
-    data = numbers(folder / backend)
-    assert data["backend"] == backend
+def test_run_is_described(folder: Path) -> None:
+    data = numbers(folder / "halfplane")
+    assert data["backend"] == "halfplane"
     assert data["complete"] is True and data["failure"] == ""
     assert (len(data["times"]), data["cycle"], data["ranks"]) == (STATES, [12, 20], 1)
     assert data["mesh"] == {}
     assert "the platen does not turn: the pressure is symmetric, M = 0" in data["notes"]
-    printed = (folder / f"{backend}.txt").read_text()
+    printed = (folder / "halfplane.txt").read_text()
     assert all(f"Note: {note}" in printed for note in data["notes"])
-
-
-def test_without_tractions_there_is_nothing_about_steps(folder: Path) -> None:
-    data = numbers(folder / "analytic")
-    assert [data[key] for key in ("drivers", "coordinates", "steps")] == [None] * 3
 
 
 def test_with_tractions_the_steps_are_described(folder: Path) -> None:
@@ -120,15 +106,10 @@ def test_with_tractions_the_steps_are_described(folder: Path) -> None:
     assert np.allclose(force, [600, 0], atol=1e-8 * 600)
 
 
-@pytest.mark.parametrize(
+def test_numbers_are_those_of_hertz_and_cattaneo(folder: Path) -> None:
     # The half-plane solution is discretised: 300 nodes, fits of K_N, a slip border between nodes.
-    ("backend", "tolerance"),
-    [("analytic", 1e-12), ("halfplane", 5e-3)],
-)
-def test_numbers_are_those_of_hertz_and_cattaneo(
-    folder: Path, backend: str, tolerance: float
-) -> None:
-    contact = numbers(folder / backend)["contacts"]["main"]
+    tolerance = 5e-3
+    contact = numbers(folder / "halfplane")["contacts"]["main"]
     profile = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
     a = float(profile.half_width(600.0))
     assert np.allclose(contact["normal_force"][4:], 600, rtol=1e-8)
@@ -149,12 +130,10 @@ def test_numbers_are_those_of_hertz_and_cattaneo(
 
 def test_files_of_an_earlier_run_that_do_not_belong_to_it_go(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    for backend, options in (("halfplane", ()), ("analytic", ("--no-report",))):
-        done = run(folder / "pad.toml", backend, out, *options)
+    for options in ((), ("--no-report",)):
+        done = run(folder / "pad.toml", out, *options)
         assert done.returncode == 0, done.stderr
-        assert (out / "results.h5").exists() == (backend == "halfplane")
-        assert (out / "report.html").exists() == (backend == "halfplane")
-    assert numbers(out)["backend"] == "analytic"
+        assert (out / "report.html").exists() == (not options)
 
 
 # What a user gets wrong: edit of the case, exit code, words that the message must contain.
@@ -167,11 +146,6 @@ MISTAKES = {
         ["expected |Q| < f P", "Q = 300", "f P = 240", "at time 1.25"],
     ),
     "opening": (("ramp = -600", "ramp = 600"), 4, ["P > 0", "-150", "at time 0.25", "open"]),
-    "dissimilar": (
-        ("young = 210e3", "young = 70e3"),
-        4,
-        ["elastically similar", "beta = -0.143"],  # (mu1 - mu2)(kappa - 1)/[(mu1 + mu2)(kappa + 1)]
-    ),
     "prescribed approach": (('"force"', '"displacement"'), 4, ["loads.press", "'displacement'"]),
 }
 
@@ -181,9 +155,7 @@ def test_mistake_gets_a_clear_message_before_any_work(tmp_path: Path, mistake: s
     (old, new), code, words = MISTAKES[mistake]
     assert old in HERTZ
     (tmp_path / "case.toml").write_text(HERTZ.replace(old, new, 1))
-    # Half-planes may be unlike, closed forms may not.
-    backend = "analytic" if mistake == "dissimilar" else "halfplane"
-    arguments = ("--backend", backend, "-o", tmp_path / "out")
+    arguments = ("--backend", "halfplane", "-o", tmp_path / "out")
     done = launch.fretfe("run", tmp_path / "case.toml", *arguments)
     assert done.returncode == code, done.stdout + done.stderr
     assert "Traceback" not in done.stderr and "step" not in done.stdout

@@ -25,11 +25,12 @@ from campaign.draw import (
 from campaign.irregular_draw import IrregularDraw
 from campaign.solids import SolidDraw
 from campaign.unlike_draw import UnlikeDraw
+from closed_forms import closed_contact
 
 import fretfe
 from fretfe.case import parse_case
 from fretfe.errors import FretfeError
-from fretfe.evaluate.contacts import SlipZone, Station
+from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.results.model import Result
 
 Verdict = Literal["right", "flagged", "wrong"]
@@ -105,7 +106,7 @@ class Answers:
 
     draw: Draw
     found: Result | FretfeError
-    exact: Result
+    exact: Contact
     half_planes: Result
 
 
@@ -132,7 +133,7 @@ def solve(one: Draw) -> Answers:
             found = fretfe.run(parse_case(tables, trust_geo=True))
         except FretfeError as error:
             found = error
-    exact = fretfe.run(parse_case(case_of(one, CLOSED_FORM_STEPS)), backend="analytic")
+    exact = closed_contact(parse_case(case_of(one, CLOSED_FORM_STEPS)))
     half_planes = fretfe.run(parse_case(case_of(one, HALF_PLANE_STEPS)), backend="halfplane")
     return Answers(one, found, exact, half_planes)
 
@@ -140,7 +141,7 @@ def solve(one: Draw) -> Answers:
 def judge(answers: Answers) -> Iterator[Judged]:
     """Compare the numbers of a case, solved by finite elements, with the exact ones."""
     for number, edge in enumerate(EDGES):
-        exact = answers.exact.contacts[0].stations
+        exact = answers.exact.stations
         half_plane = answers.half_planes.contacts[0].stations[number]
         if isinstance(answers.found, FretfeError):
             nothing = (answers.draw, edge)

@@ -243,7 +243,6 @@ def cylinder_truth(one: SolidDraw, found: Result, station: Station) -> Truth:
 
 def _line_loads(one: SolidDraw, found: Result, z: float) -> tuple[float, float]:
     """P and the range of Q per length at a place, over what they are on average."""
-    assert found.solution is not None
     (contact,) = found.solution.contacts
     cycle = found.solution.cycle
     assert cycle is not None

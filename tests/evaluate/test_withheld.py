@@ -63,7 +63,6 @@ def left_of(run: Result) -> Station:
 )
 def test_a_pad_that_lifts_off_needs_no_finer_elements(emptied: slice, kind: Lack) -> None:
     solution = solved().solution
-    assert solution is not None
     (contact,) = solution.contacts
     traction = contact.traction[:].copy()
     traction[emptied] = 0.0

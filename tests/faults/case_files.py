@@ -12,7 +12,7 @@ from random import Random
 from typing import Any
 
 import tomli_w
-from faults.fault import ANALYTIC, CHECK, HALFPLANE, Fault, damaged, text_fault
+from faults.fault import CHECK, HALFPLANE, Fault, damaged, text_fault
 from faults.originals import PAD, SOLID, leaves
 
 HUGE = 10**400
@@ -59,7 +59,7 @@ PLACEHOLDER = "PLACEHOLDER-5d1c"
 
 def faults() -> Iterator[Fault]:
     """All of them."""
-    for command in (CHECK, HALFPLANE, ANALYTIC):
+    for command in (CHECK, HALFPLANE):
         yield text_fault(f"toml/whole/{' '.join(command)}", command, tomli_w.dumps(PAD), False)
     yield from _damaged()
     yield from _values()
@@ -71,7 +71,7 @@ def faults() -> Iterator[Fault]:
 
 def _damaged() -> Iterator[Fault]:
     text = tomli_w.dumps(PAD).encode()
-    commands = cycle((CHECK, HALFPLANE, ANALYTIC))
+    commands = cycle((CHECK, HALFPLANE))
     for seed in range(60):
         yield text_fault(f"toml/damaged/{seed}", next(commands), damaged(text, seed))
 
@@ -87,7 +87,7 @@ def _set(tables: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str,
 
 def _values() -> Iterator[Fault]:
     random = Random(18)
-    commands = cycle((HALFPLANE, CHECK, ANALYTIC, HALFPLANE))
+    commands = cycle((HALFPLANE, CHECK, HALFPLANE))
     for kind, tables in (("plane", PAD), ("solid", SOLID)):
         pairs = [(path, name) for path in leaves(tables) for name in VALUES]
         for path, name in random.sample(pairs, 190 if kind == "plane" else 40):
@@ -187,7 +187,7 @@ def _overrides() -> Iterator[Fault]:
     for option in options:
         command = (*HALFPLANE, "--set", option)
         yield text_fault(f"toml/--set {option[:50]}", command, text)
-    sweep = ("sweep", "case.toml", "-o", "out", "--backend", "analytic")
+    sweep = ("sweep", "case.toml", "-o", "out", "--backend", "halfplane")
     for words in (
         ("--vary", "contacts.main.friction=0.1:0.2:99999999999"),
         ("--vary", "contacts.main.friction=nan:1:3"),

@@ -112,7 +112,7 @@ def _forces() -> Iterator[Fault]:
     for name, (data, refused) in decks.items():
         prepare = with_runs(_model(data))
         yield Fault(f"forces/{name}", ("forces", "run", *words), prepare, refused)
-    for name in (*NO_RUNS, "analytic", "solid"):
+    for name in (*NO_RUNS, "solid"):
         command = ("forces", name, *words)
         yield Fault(f"forces/of {name[:20]!r}", command, with_runs(_model(whole)), True)
     for more in (("--time", "nan"), ("--time", "-1"), ("--factor", "nan"), ("--factor", "1e300"),

@@ -12,7 +12,6 @@ from random import Random
 Prepare = Callable[[Path, Path], object]
 CHECK = ("check", "case.toml")
 HALFPLANE = ("run", "case.toml", "-o", "out", "--backend", "halfplane", "--no-report", "-q")
-ANALYTIC = ("run", "case.toml", "-o", "out", "--backend", "analytic", "--no-report", "-q")
 FEM = ("run", "case.toml", "-o", "out", "--no-report", "-q")
 
 

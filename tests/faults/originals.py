@@ -231,7 +231,6 @@ def write_originals(folder: Path) -> None:
 def _write_runs(folder: Path) -> None:
     """Results of the same case, of others, and of solids."""
     write_run(folder / "run", "halfplane")
-    write_run(folder / "analytic", "analytic")
     write_run(folder / "incomplete", "incomplete")
     write_run(folder / "no_cycle", "no cycle")
     # The labels of another set of units, whose numbers count as they are.

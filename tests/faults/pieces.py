@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 import tomli_w
-from faults.fault import ANALYTIC, CHECK, HALFPLANE, Fault, Prepare, text_fault
+from faults.fault import CHECK, HALFPLANE, Fault, Prepare, text_fault
 from faults.files import with_places
 from faults.originals import PAD, RIG_TEXT, csv_case
 from faults.results_of import with_runs
@@ -282,7 +282,7 @@ def in_unit(tables: dict[str, Any], label: str) -> dict[str, Any]:
 def _units() -> Iterator[Fault]:
     for label in LABELS:
         text = tomli_w.dumps(in_unit(PAD, label))
-        commands = {"check": CHECK, "half-planes": HALFPLANE, "analytic": ANALYTIC}
+        commands = {"check": CHECK, "half-planes": HALFPLANE}
         for name, command in commands.items():
             yield text_fault(f"units/{label}/{name}", command, text, False)
         if label not in ("mm", "cm"):
@@ -346,10 +346,10 @@ def _values_twice() -> Iterator[Fault]:
         for value in ("1e-320", "-1e-320"):
             command = (*HALFPLANE, "--set", f"{key}={value}")
             yield text_fault(f"values/{key} = {value}", command, text, True)
-    sweep = ("sweep", "case.toml", "-o", "out", "--backend", "analytic", "-q")
+    sweep = ("sweep", "case.toml", "-o", "out", "--backend", "halfplane", "-q")
     for first, second in TWICE:
         commands: dict[str, tuple[str, ...]] = {
-            f"--set {first} --set {second}": (*ANALYTIC, "--set", first, "--set", second),
+            f"--set {first} --set {second}": (*HALFPLANE, "--set", first, "--set", second),
             f"--vary {first} --vary {second}": (
                 *(*sweep, "--vary", f"{first},{first.partition('=')[2]}"),
                 *("--vary", second),

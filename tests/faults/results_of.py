@@ -12,7 +12,7 @@ from faults.fault import Prepare, damaged
 
 # Folders with results; `originals` writes them.
 RUNS = (
-    "run", "analytic", "solid", "incomplete", "no_cycle", "metres", "slippery", "other_load",
+    "run", "solid", "incomplete", "no_cycle", "metres", "slippery", "other_load",
 )  # fmt: skip
 Work = Callable[[Path], object]
 

@@ -215,7 +215,6 @@ def _components() -> Iterator[Fault]:
         words = _match(name)
         yield Fault(f"match/component {name}", words, with_runs(_text(RIG_TEXT)), True)
     yield Fault("match/component is a file", _match("rig.toml"), with_runs(_text(RIG_TEXT)), True)
-    yield Fault("match/component analytic", _match("analytic"), with_runs(_text(RIG_TEXT)), False)
 
 
 def _tests() -> Iterator[Fault]:

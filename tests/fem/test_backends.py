@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""One case, three backends: the same edge factors and slip zones."""
+"""One case, two backends and closed forms: the same edge factors and slip zones."""
 
 from __future__ import annotations
 
@@ -7,11 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from closed_forms import closed_contact
 from pad_cases import SLIDING, cylinder, pad, press, pull, shear
 
 from fretfe.backends import ParallelBackend, find_backend
 from fretfe.case import parse_case
-from fretfe.results.model import Result
+from fretfe.evaluate.contacts import Contact
 
 FINE = cylinder(size=0.008)
 CASES: dict[str, dict[str, Any]] = {
@@ -25,16 +26,17 @@ CASES: dict[str, dict[str, Any]] = {
 
 
 @pytest.fixture(scope="module", params=list(CASES))
-def answers(request: pytest.FixtureRequest) -> dict[str, Result]:
+def answers(request: pytest.FixtureRequest) -> dict[str, Contact]:
     case = parse_case(CASES[request.param])
-    return {name: find_backend(name).solve(case) for name in ("analytic", "halfplane", "fem")}
+    found = {name: find_backend(name).solve(case).contacts[0] for name in ("halfplane", "fem")}
+    return {"closed forms": closed_contact(case), **found}
 
 
 @pytest.mark.parametrize("side", [0, 1], ids=["left", "right"])
-@pytest.mark.parametrize("name", ["analytic", "halfplane"])
-def test_edges_agree(answers: dict[str, Result], name: str, side: int) -> None:
-    edge, reference = (answers[n].contacts[0].stations[side] for n in (name, "fem"))
-    half_width = float(answers["analytic"].contacts[0].half_width[-1])
+@pytest.mark.parametrize("name", ["closed forms", "halfplane"])
+def test_edges_agree(answers: dict[str, Contact], name: str, side: int) -> None:
+    edge, reference = (answers[n].stations[side] for n in (name, "fem"))
+    half_width = float(answers["closed forms"].half_width[-1])
     assert edge.position[-1] == pytest.approx(reference.position[-1], abs=0.01 * half_width)
     assert edge.k_n[-1] == pytest.approx(reference.k_n[-1], rel=0.01)
     assert edge.k_t_range == pytest.approx(reference.k_t_range, rel=0.01)
@@ -45,14 +47,12 @@ def test_edges_agree(answers: dict[str, Result], name: str, side: int) -> None:
         assert (mine.start, mine.end) == (other.start, other.end)
 
 
-def test_forces_agree(answers: dict[str, Result]) -> None:
-    exact, other = answers["analytic"].contacts[0], answers["fem"].contacts[0]
+def test_forces_agree(answers: dict[str, Contact]) -> None:
+    exact, other = answers["closed forms"], answers["fem"]
     assert other.normal_force == pytest.approx(exact.normal_force, abs=1e-6)
     assert other.shear_force == pytest.approx(exact.shear_force, abs=1e-6)
 
 
 def test_only_finite_elements_are_parallel() -> None:
-    parallel = [
-        isinstance(find_backend(n), ParallelBackend) for n in ("analytic", "halfplane", "fem")
-    ]
-    assert parallel == [False, False, True]
+    parallel = [isinstance(find_backend(n), ParallelBackend) for n in ("halfplane", "fem")]
+    assert parallel == [False, True]

@@ -43,7 +43,7 @@ def press(force: float) -> Data:
 
 
 def contact_of(result: Result) -> ContactHistory:
-    assert result.failure is None and result.solution is not None
+    assert result.failure is None
     (contact,) = result.solution.contacts
     return contact
 

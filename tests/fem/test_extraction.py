@@ -89,7 +89,6 @@ def test_bulk_tension_and_phase(solved: Solve, name: str, number: int) -> None:
 def test_free_pad_stays_where_nothing_pushes_it(solved: Solve) -> None:
     """Pressed on without friction, and free to slide: round-off of the loads must not move it."""
     solution = solved(CASES["in phase"]).solution
-    assert solution is not None
     (contact,) = solution.contacts
     frictionless = np.flatnonzero(~contact.friction.acts)
     assert len(frictionless) == 5
@@ -186,7 +185,7 @@ def test_friction_work_is_the_area_of_the_hysteresis_loop(solved: Solve) -> None
     loads = {"press": press(), "shear": shear(100.0, cycles=3, steps=60)}
     answer = solved(pad(geometry=cylinder(0.02), loads=loads))
     solution, contact = answer.solution, answer.contacts[0]
-    assert solution is not None and solution.cycle is not None
+    assert solution.cycle is not None
     cycle = slice(solution.cycle[0], solution.cycle[1] + 1)
     force, path = solution.forces[cycle], solution.amplitudes[cycle]
     # trapezoids over the loops of all boundaries

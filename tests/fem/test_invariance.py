@@ -142,7 +142,6 @@ def solved(changed: Any, bodies: Mesh) -> Result:
 
 
 def contact(result: Result, name: str) -> ContactHistory:
-    assert result.solution is not None
     return next(each for each in result.solution.contacts if each.name == name)
 
 

@@ -63,14 +63,12 @@ def run(options: RunOptions = DEFAULTS, cycles: int = 1, **cycle: Any) -> Result
 
 
 def tractions(result: Result) -> Array:
-    assert result.solution is not None
     (contact,) = result.solution.contacts
     return np.asarray(contact.traction)[result.solution.ends]
 
 
 def iterations(result: Result) -> int:
     """Of the last cycle."""
-    assert result.solution is not None
     return int(result.solution.iterations[-STEPS:].sum())
 
 

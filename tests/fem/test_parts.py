@@ -208,7 +208,7 @@ def part(whole: Result, runner: Runner, tmp_path_factory: pytest.TempPathFactory
 
 
 def test_each_shape_of_a_cut_is_stored(part: Result) -> None:
-    assert part.directory is not None and part.solution is not None
+    assert part.directory is not None
     stored = load_result(part.directory).solution
     assert stored is not None and stored.drivers == part.solution.drivers
     assert {"upper_cut 1", "upper_cut 2", "lower_cut 1"} <= set(stored.drivers)
@@ -378,11 +378,10 @@ def test_sides_of_a_sector(whole: Result, tmp_path: Path) -> None:
 
 
 def test_another_contact_in_the_part(whole: Result, tmp_path: Path) -> None:
-    assert whole.solution is not None
     (contact,) = whole.solution.contacts
     moved = replace(contact.surface, points=contact.surface.points + np.array([3.0, 0.0]))
     other = replace(contact, name="other", pair="other", surface=moved)
-    both = replace(whole, solution=replace(whole.solution, contacts=(contact, other)))
+    both = replace(whole, root_solution=replace(whole.solution, contacts=(contact, other)))
     with pytest.raises(
         CaseError, match=r"expected less than 2\.4.*, where contact 'other' presses"
     ):
@@ -406,9 +405,8 @@ def test_a_mesh_file_keeps_its_elements(whole: Result, tmp_path: Path) -> None:
 def test_a_cad_file(whole: Result, tmp_path: Path, size: float | None) -> None:
     """The pad of the demo, whose mesh refines itself unless a size is asked for."""
     demo = load_case(Path(__file__).parents[2] / "demos" / "own_geometry.toml")
-    assert whole.solution is not None
     contacts = tuple(replace(each, pair="pad") for each in whole.solution.contacts)
-    of_demo = replace(whole, case=demo, solution=replace(whole.solution, contacts=contacts))
+    of_demo = replace(whole, case=demo, root_solution=replace(whole.solution, contacts=contacts))
     found = write_submodel(of_demo, "main", tmp_path, size=size)
     assert list(found.case.bodies) == ["pad", "block"]
     assert (found.case.edges.tolerance, found.case.geometry.size) == (

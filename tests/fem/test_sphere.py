@@ -130,7 +130,7 @@ def twin() -> HalfSpaceRun:
 
 
 def solution(result: Result) -> Solution:
-    assert result.failure is None and result.solution is not None
+    assert result.failure is None
     return result.solution
 
 

@@ -274,7 +274,7 @@ from fretfe.fem._compat import MPI
 sweep = fretfe.sweep(case, {"loads.press.ramp": [-600.0, -300.0]}, output=folder / "sweep")
 gathered = MPI.COMM_WORLD.gather(repr((result.edges(), sweep.records()[0]["k_n"])))
 if MPI.COMM_WORLD.rank == 0:
-    print(len(gathered), gathered[0] == gathered[-1], result.solution is not None)
+    print(len(gathered), gathered[0] == gathered[-1], result.root_solution is not None)
 """
 
 

@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_forms import divide, solve_closed_form
 from halfplane_problems import FRICTION, LIMIT, LOAD, problem
 
-from fretfe.backends.analytic import divide, solve_closed_form
 from fretfe.contact.march import LARGEST_MOVE, LEAST_SHEAR, MOST_PARTS, TOLERATED
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.contacts import Contact

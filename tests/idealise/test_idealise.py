@@ -7,13 +7,13 @@ from typing import Any
 
 import numpy as np
 import pytest
+from closed_forms import closed_contact
 from pad_cases import BASE, HOLD, SLIDING, STEEL, cylinder, pad, press, pull, shear, wave
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
-from fretfe.backends import find_backend
 from fretfe.case import parse_case
 from fretfe.errors import ModelError
-from fretfe.idealise import NotIdealisable, idealise, obstacles, unlike_obstacles
+from fretfe.idealise import NotIdealisable, idealise, obstacles
 from fretfe.idealise.problem import contact_edges, governing_length
 
 E_STAR = 210e3 / (2 * 0.91)
@@ -115,7 +115,7 @@ def test_a_block_held_at_its_sides(
 ) -> None:
     """Without any load on a side. A sliding block held at one side has Q/(2 H) if it is wide."""
     case = parse_case(pad(supports=supports, geometry=cylinder(**sizes)))
-    stations = find_backend("analytic").solve(case).contacts[0].stations
+    stations = closed_contact(case).stations
     for station, range_by_elements in zip(stations, expected, strict=True):
         assert abs(station.k_t_range - range_by_elements) <= station.k_range_spread
         assert station.k_range_spread < 0.025 * station.k_t_range
@@ -275,7 +275,6 @@ def test_unlike_bodies_are_half_planes_without_closed_forms() -> None:
     # beta = (mu1 - mu2)(kappa - 1)/[(mu1 + mu2)(kappa + 1)]
     assert found.dundurs == pytest.approx(0.5 * 0.8 / 2.8)
     assert found.guided
-    assert ["beta = 0.143" in each for each in unlike_obstacles(case)] == [True]
 
 
 def test_frictionless_dissimilar_bodies_are_fine() -> None:

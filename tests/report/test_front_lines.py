@@ -21,7 +21,6 @@ STATE = 24
 def run() -> Result:
     """A circle with twelve stations, of which one is too near an end; |ΔK| is made up."""
     result = solid_result({"main": surface(bend=0.3)})
-    assert result.solution is not None
     (contact,) = result.solution.contacts
     (front,) = evaluate_fronts(
         result.solution, contact, follow_fronts(result.solution, contact, 12)

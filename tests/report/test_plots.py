@@ -62,7 +62,6 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
     near = _near(shown, shown.summary.stations[side])
     assert near is not None
     solution = shown.run.solution
-    assert solution is not None
     change = _stuck_change(solution, shown, near)
     assert change is not None
     a = float(PROFILE.half_width(P))
@@ -136,7 +135,6 @@ def test_ticks_of_a_boundary_whose_force_is_held(
 ) -> None:
     """They differ, although its displacement hardly does."""
     solution, figures = run.solution, []
-    assert solution is not None
     forces, amplitudes = np.array(solution.forces), np.array(solution.amplitudes)
     forces[:, 0] = -2900.0
     amplitudes[:, 0] = -0.01929655 + 1e-7 * np.sin(2 * np.pi * run.loads.times)
@@ -146,7 +144,9 @@ def test_ticks_of_a_boundary_whose_force_is_held(
         return "<svg></svg>"
 
     monkeypatch.setattr(theme, "_svg", keep)
-    work_loop_plots(replace(run, solution=replace(solution, forces=forces, amplitudes=amplitudes)))
+    work_loop_plots(
+        replace(run, root_solution=replace(solution, forces=forces, amplitudes=amplitudes))
+    )
     left, _ = figures[0].axes
     figures[0].draw_without_rendering()
     ticks = [each.get_text() for each in left.get_xticklabels()]

@@ -118,7 +118,6 @@ def test_scene_command(folder: Path, tmp_path: Path) -> None:
 def with_front() -> Result:
     """A synthetic contact with its front, whose ranges of factors are made up."""
     result = solid_result({"main": surface()})
-    assert result.solution is not None
     (contact,) = result.solution.contacts
     tracks = {"main": follow_fronts(result.solution, contact, 12)}
     (found,) = evaluate(result.solution, tracks=tracks)

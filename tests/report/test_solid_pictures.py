@@ -115,10 +115,9 @@ def test_the_longer_side_lies_across() -> None:
     long = surface()
     stretched = replace(long, points=long.points * [0.2, 1, 1], plane=long.plane * [0.2, 1])
     result = solid_result(shapes={"main": stretched})
-    assert result.solution is not None
     run = replace(
         result,
-        solution=replace(
+        root_solution=replace(
             result.solution,
             contacts=(contact(stretched, "main", histories(np.linalg.norm(long.plane, axis=1),
                                                            np.linspace(0.1, 0.6, 36))),),
@@ -355,7 +354,6 @@ def test_without_the_states_of_the_cycle_there_is_no_animation(tmp_path: Path) -
 
 def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -> None:
     solution, loads = result.solution, result.loads
-    assert solution is not None
     first = slice(0, 1)
     history = result.contact_history("main")
     states: dict[str, Any] = {
@@ -375,7 +373,9 @@ def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -
         **{name: getattr(solution, name)[first] for name in names},
     )
     failed = ConvergenceError("step 1 has no solution")
-    run = replace(result, solution=short, loads=loads, contacts=evaluate(short), failure=failed)
+    run = replace(
+        result, root_solution=short, loads=loads, contacts=evaluate(short), failure=failed
+    )
     write_results(tmp_path, run)
     make_pictures(tmp_path)
     reasons = {each["title"]: each["reason"] for each in listed(tmp_path)["missing"]}

@@ -118,7 +118,6 @@ def test_a_group_that_is_too_small_is_no_end() -> None:
 
 def test_warning_where_not_both_bodies_end() -> None:
     result = solid_result({"main": surface(half=0.9)})
-    assert result.solution is not None
     (contact,) = result.solution.contacts
     (told,) = (each for each in result.warnings if each.kind is Kind.SURFACE_BORDER)
     assert told.text.startswith("the contact reaches the border of its surface, first at (")

@@ -18,7 +18,7 @@ from rich.console import Console
 from told import Told
 
 from fretfe.backends import Observer, RunOptions, SharingBackend
-from fretfe.backends.analytic import BACKEND as ANALYTIC
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case, changed, parse_case
 from fretfe.errors import ConvergenceError
@@ -33,7 +33,7 @@ RADIUS = "geometry.parameters.upper_radius"
 def swept(**ranges: Any) -> Sweep:
     keys = {"friction": FRICTION, "amplitude": AMPLITUDE, "radius": RADIUS, "shape": "title"}
     named = {keys[name]: values for name, values in ranges.items()}
-    return run_sweep(make_variants(parse_case(pad()), named), ANALYTIC, DEFAULTS)
+    return run_sweep(make_variants(parse_case(pad()), named), HALFPLANE, DEFAULTS)
 
 
 def test_rows_are_those_of_single_runs() -> None:
@@ -43,7 +43,7 @@ def test_rows_are_those_of_single_runs() -> None:
     for friction in (0.4, 0.5):
         for amplitude in (20.0, 60.0):
             values = {FRICTION: friction, AMPLITUDE: amplitude}
-            result = ANALYTIC.solve(changed(parse_case(pad()), values))
+            result = HALFPLANE.solve(changed(parse_case(pad()), values))
             expected += [{**values, **edge, "failure": ""} for edge in result.edges()]
     found = sweep.records()
     assert all(each.pop("seconds") > 0 for each in found)
@@ -80,7 +80,7 @@ class Recording:
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         radius = case.geometry.parameters["upper_radius"]
         self.solved.append((case.contacts["main"].friction, radius))
-        result = ANALYTIC.solve(case, options)
+        result = HALFPLANE.solve(case, options)
         failure = ConvergenceError("step 3 failed") if radius == 40 else None
         return replace(result, failure=failure)
 
@@ -183,7 +183,7 @@ def test_csv_holds_all_records(tmp_path: Path) -> None:
 
 def test_numbers_that_do_not_exist_are_empty(tmp_path: Path) -> None:
     case = parse_case(pad(loads={"press": pad()["loads"]["press"], "shear": ramp(30.0)}))
-    sweep = run_sweep(make_variants(case, {FRICTION: (0.4,)}), ANALYTIC, DEFAULTS)
+    sweep = run_sweep(make_variants(case, {FRICTION: (0.4,)}), HALFPLANE, DEFAULTS)
     write_files(sweep, tmp_path)
     with (tmp_path / "sweep.csv").open(newline="") as file:
         row = next(csv.DictReader(file))

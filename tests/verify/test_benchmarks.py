@@ -23,11 +23,8 @@ from fretfe.runner import OneProcess
 
 pytestmark = pytest.mark.formula
 
-BACKENDS = ("analytic", "halfplane")
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}
 CONTROLS = {control.name: control for control in controls()}
-# What half-planes take and closed forms do not.
-UNLIKE = "cyclic shear, unlike bodies"
 # What half-planes do not take, with a word of the reason.
 NOT_FOR_HALF_PLANES = {
     "sphere, cyclic shear": "found 'sphere'",
@@ -38,35 +35,28 @@ NOT_FOR_HALF_PLANES = {
 }
 
 
-def run(benchmark: Benchmark, backend: str) -> tuple[Row, ...]:
-    return run_benchmark(benchmark, Installed(backend, "", find_backend(backend)), OneProcess())
+def run(benchmark: Benchmark) -> tuple[Row, ...]:
+    installed = Installed("halfplane", "", find_backend("halfplane"))
+    return run_benchmark(benchmark, installed, OneProcess())
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", [name for name in BENCHMARKS if name not in NOT_FOR_HALF_PLANES])
-def test_benchmark_passes(name: str, backend: str) -> None:
-    if name == UNLIKE and backend == "analytic":
-        (row,) = run(BENCHMARKS[name], backend)
-        assert row.verdict == "skipped" and "elastically similar" in row.reason
-        return
-    rows = run(BENCHMARKS[name], backend)
+def test_benchmark_passes(name: str) -> None:
+    rows = run(BENCHMARKS[name])
     assert [row for row in rows if row.failed] == []
     assert any(row.verdict == "agrees" for row in rows)
-    unwanted = [row for row in rows if row.verdict == "skipped" and "tractions" not in row.reason]
-    assert unwanted == []
+    assert [row for row in rows if row.verdict == "skipped"] == []
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", CONTROLS)
-def test_control_is_caught(name: str, backend: str) -> None:
-    (row,) = run(CONTROLS[name], backend)
+def test_control_is_caught(name: str) -> None:
+    (row,) = run(CONTROLS[name])
     assert row.verdict == "caught", row.reason
 
 
-@pytest.mark.parametrize("backend", BACKENDS)
 @pytest.mark.parametrize("name", NOT_FOR_HALF_PLANES)
-def test_what_is_left_out_has_a_reason(name: str, backend: str) -> None:
-    (row,) = run(BENCHMARKS[name], backend)
+def test_what_is_left_out_has_a_reason(name: str) -> None:
+    (row,) = run(BENCHMARKS[name])
     assert row.verdict == "skipped"
     assert NOT_FOR_HALF_PLANES[name] in row.reason
 

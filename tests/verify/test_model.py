@@ -14,14 +14,12 @@ from fretfe.quality.cycles import TENSION_ONLY, loop_case
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
 
-RESULT = Result(
-    loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), contacts=()
-)
+RESULT = Result(loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), (), None)
 
 
-def quantity(value: float, *, needs_tractions: bool = False) -> Quantity:
+def quantity(value: float) -> Quantity:
     tolerances = {"good": 0.01, "coarse": 0.1}
-    return Quantity("K_N", 4.0, 2.0, tolerances, lambda _: value, needs_tractions)
+    return Quantity("K_N", 4.0, 2.0, tolerances, lambda _: value)
 
 
 @pytest.mark.parametrize(
@@ -49,12 +47,6 @@ def test_no_value_is_a_failure(value: float) -> None:
     row = compare("benchmark", quantity(value), "good", RESULT)
     assert (row.computed, row.difference, row.verdict) == (None, None, "differs")
     assert "no value" in row.reason
-
-
-def test_tractions_that_a_backend_does_not_have_are_skipped() -> None:
-    row = compare("benchmark", quantity(4.0, needs_tractions=True), "good", RESULT)
-    assert (row.quantity, row.verdict) == ("K_N", "skipped")
-    assert "tractions" in row.reason
 
 
 def rows(*verdicts: Verdict) -> tuple[Row, ...]:

@@ -23,9 +23,7 @@ from fretfe.quality.verification import run_benchmark
 from fretfe.results.model import Result
 
 T = TypeVar("T")
-RESULT = Result(
-    loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), contacts=()
-)
+RESULT = Result(loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), (), None)
 
 
 class Alone:

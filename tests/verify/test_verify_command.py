@@ -31,7 +31,7 @@ ROOT = Path(__file__).parents[2]
 
 @pytest.fixture(scope="module")
 def document() -> dict[str, Any]:
-    done = python("-m", "fretfe", "verify", "--backend", "analytic", "--json")
+    done = python("-m", "fretfe", "verify", "--backend", "halfplane", "--json")
     assert done.returncode == 0, done.stdout + done.stderr
     assert done.stderr == ""
     return dict(json.loads(done.stdout))
@@ -41,14 +41,14 @@ def test_json_document(document: dict[str, Any]) -> None:
     assert document["schema"] == {"name": "fretfe-verify", "version": 2}
     assert document["passed"] is True
     assert "fretfe" in document["versions"]
-    assert list(document["seconds"]) == ["analytic"]
+    assert list(document["seconds"]) == ["halfplane"]
 
 
 def test_json_rows(document: dict[str, Any]) -> None:
     rows = document["rows"]
     assert all(set(row) == KEYS for row in rows)
     assert {row["verdict"] for row in rows} == {"agrees", "skipped", "caught"}
-    assert {row["backend"] for row in rows} == {"analytic"}
+    assert {row["backend"] for row in rows} == {"halfplane"}
     names = [benchmark.name for benchmark in (*benchmarks(), *controls())]
     assert list(dict.fromkeys(row["benchmark"] for row in rows)) == names
 
@@ -64,7 +64,7 @@ def test_json_numbers(document: dict[str, Any]) -> None:
 
 
 def test_tables() -> None:
-    done = fretfe("verify", "--backend", "analytic")
+    done = fretfe("verify", "--backend", "halfplane")
     assert done.returncode == 0, done.stdout + done.stderr
     for words in ("two cylinders", "reference", "tolerance", "verdict", "agrees", "caught"):
         assert words in done.stdout
@@ -80,7 +80,7 @@ def test_unknown_backend() -> None:
 def test_other_ranks_than_0_print_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PMI_RANK", "1")
     monkeypatch.setattr(verification, "benchmarks", lambda: (BENCHMARK,))
-    done = CliRunner().invoke(app, ["verify", "--backend", "analytic"])
+    done = CliRunner().invoke(app, ["verify", "--backend", "halfplane"])
     assert (done.exit_code, done.output) == (0, "")
 
 
@@ -90,7 +90,7 @@ def invoke(
     """Exit code and output with another table, without controls."""
     monkeypatch.setattr(verification, "benchmarks", lambda: table)
     monkeypatch.setattr(verification, "controls", lambda: ())
-    done = CliRunner().invoke(app, ["verify", "--backend", "analytic", *arguments])
+    done = CliRunner().invoke(app, ["verify", "--backend", "halfplane", *arguments])
     return done.exit_code, done.output
 
 
@@ -157,7 +157,7 @@ def test_backend_that_does_not_work(
     verdict: str,
     words: str,
 ) -> None:
-    installed = (Installed("analytic", "package 1.0", backend, reason),)
+    installed = (Installed("halfplane", "package 1.0", backend, reason),)
     monkeypatch.setattr(verification, "installed_backends", lambda: installed)
     code, output = invoke(monkeypatch, (BENCHMARK,), "--json")
     (row,) = json.loads(output)["rows"]
@@ -185,10 +185,10 @@ def test_the_page_has_these_differences_and_all_tolerances(document: dict[str, A
     table = page.partition("<!-- measured differences -->\n\n")[2].partition("\n<!-- end -->")[0]
     shown = cells_of(table)
     tool = runpy.run_path(str(ROOT / "tools" / "verify_docs.py"))
-    # The other backends take half a minute: their differences are not looked at here.
-    analytic = cells_of(tool["table"](tool["largest_differences"](document["rows"])))
+    # Finite elements take a minute: their differences are not looked at here.
+    half_planes = cells_of(tool["table"](tool["largest_differences"](document["rows"])))
     assert {key: cells[0] for key, cells in shown.items() if cells[0] != "–"} == {
-        key: cells[0] for key, cells in analytic.items()
+        key: cells[0] for key, cells in half_planes.items()
     }
     rows = [
         {"benchmark": benchmark.name, "quantity": quantity.name, "backend": backend}
@@ -196,7 +196,6 @@ def test_the_page_has_these_differences_and_all_tolerances(document: dict[str, A
         for benchmark in benchmarks()
         for quantity in benchmark.quantities
         for backend, tolerance in quantity.tolerances.items()
-        if not (backend == "analytic" and quantity.needs_tractions)
     ]
     expected = cells_of(tool["table"](tool["largest_differences"](rows)))
     assert set(shown) == set(expected)

@@ -224,7 +224,6 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     axes.plot(s, _positive(change), ".-", ms=4, lw=1.2, color=BLUE, label="change of q")
     axes.plot(s, _positive(bound), ":", color=GREY, label="friction bound")
     solution = shown.run.solution
-    assert solution is not None
     stuck = _stuck_change(solution, shown, near)
     if stuck is not None:
         axes.plot(

@@ -233,7 +233,6 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
     first, last = shown.run.loads.evaluated
     solution = shown.run.solution
-    assert solution is not None
     path = worst_states(shown)
     if len(path) and not solution.keeps(int(path[0]), int(path[-1])):
         # Its first half is in the repetition before the cycle.
@@ -296,7 +295,7 @@ def _shear(shown: Shown, states: slice) -> tuple[Array, Array, str]:
 def work_loop_plots(run: Result) -> list[Plot]:
     """Force over displacement of each boundary that works during the cycle."""
     solution = run.solution
-    if solution is None or solution.cycle is None:
+    if solution.cycle is None:
         return []
     states = slice(solution.cycle[0], solution.cycle[1] + 1)
     forces, amplitudes = solution.forces[states], solution.amplitudes[states]
@@ -357,7 +356,7 @@ def _work_loop(
     run: Result, label: str, index: int, area: float, balance: str, path: Indices
 ) -> Plot:
     solution, units = run.solution, run.case.units
-    assert solution is not None and solution.cycle is not None
+    assert solution.cycle is not None
     states = path if len(path) else np.arange(solution.cycle[0], solution.cycle[1] + 1)
     force, displacement = solution.forces[states, index], solution.amplitudes[states, index]
     load = run.case.loads.get(label)

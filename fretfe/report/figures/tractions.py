@@ -114,7 +114,6 @@ ENVELOPE_INTRO = (
 def traction_plot(shown: Shown) -> Plot:
     """p, ±f p and q along a contact."""
     run = shown.run
-    assert run.solution is not None
     solution = run.solution
 
     def draw(figure: Figure) -> None:
@@ -179,7 +178,6 @@ def _around_contact(history: ContactHistory, state: int) -> Bools:
 
 def local_plot(shown: Shown) -> Plot | None:
     """Local parameters along a contact; None if not all states are kept, or nothing slips."""
-    assert shown.run.solution is not None
     if not shown.run.solution.keeps(*shown.run.loads.evaluated):
         return None
     found = shown.run.local_parameters(shown.tractions.name)
@@ -354,7 +352,6 @@ def draw_envelope(
     """Range of the slip next to an edge between two states, the stick zone shaded."""
     axes.set_xlim(*window)
     solution = shown.run.solution
-    assert solution is not None
     if not solution.keeps(*states):
         say(axes, NOT_KEPT)
         return
@@ -439,7 +436,6 @@ def _limits(shown: Shown, positions: Array) -> tuple[float, float]:
     arc, known = shown.tractions.surface.arc, positions[np.isfinite(positions)]
     touched = np.zeros(len(arc), dtype=bool)
     solution = shown.run.solution
-    assert solution is not None
     kept = np.arange(len(solution.times)) if solution.kept is None else solution.kept
     for part in blocks(len(kept), len(arc)):
         touched |= np.any(shown.tractions.status[kept[part]] != OPEN, axis=0)
@@ -468,7 +464,6 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     """Colours of all nodes in the steps between two states, and the lines of the edges."""
     tractions, times = shown.tractions, shown.run.loads.times
     solution = shown.run.solution
-    assert solution is not None
     axes.set_xlim(low, high)
     if not solution.keeps(states[0] + 1, states[1]):
         say(axes, NOT_KEPT)

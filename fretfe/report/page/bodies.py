@@ -60,10 +60,8 @@ def _direction(components: Array) -> str:
     return f"[{' '.join(number(each, 3) for each in shown.tolist())}]"
 
 
-def pair_table(run: Result) -> Table | None:
-    """One row per contact of the case: friction, E* and Dundurs' β; None without tractions."""
-    if run.solution is None:
-        return None
+def pair_table(run: Result) -> Table:
+    """One row per contact of the case: friction, E* and Dundurs' β."""
     # Not with this module: SciPy would come along, while figures are drawn without it.
     from fretfe.idealise.bodies import ROUND_OFF, dissimilarity
 

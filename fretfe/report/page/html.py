@@ -157,9 +157,6 @@ def _sections(run: Result) -> tuple[Section, ...]:
         _section("factors", "Edge factors", history.FACTORS_INTRO, factors),
         _section("loads", "Loads", history.LOADS_INTRO, [loads, *paths]),
     )
-    if not shown:
-        none = f"The backend {run.backend} gives no tractions along the contact."
-        return (Section("tractions", "Along the contacts", none, ()), *histories)
     stations = [(each, edge) for each in shown for edge in each.summary.stations]
     asymptotes = [partial(edges.edge_plot, *each) for each in stations]
     loops: list[Draw] = [
@@ -239,7 +236,7 @@ def _keyed(run: Result) -> list[tuple[str, Contact]]:
 
 def _solver_plots(run: Result) -> list[Draw]:
     plots: list[Draw] = []
-    if run.solution is not None and len(run.loads.times) > 1:
+    if len(run.loads.times) > 1:
         plots += [
             partial(draw, run.solution) for draw in (solver.iteration_plot, solver.certificate_plot)
         ]
@@ -354,15 +351,15 @@ def _work_words(contact: Contact) -> str:
     return f"{number(contact.dissipation)} ± {number(bar, 2)}"
 
 
-def _solved(solution: Solution | None) -> bool:
-    """True if there is a state besides the unloaded one; true without tractions."""
-    return solution is None or len(solution.times) > 1
+def _solved(solution: Solution) -> bool:
+    """True if there is a state besides the unloaded one."""
+    return len(solution.times) > 1
 
 
 def _certificate_rows(run: Result) -> list[tuple[str, str, str]]:
     """Conditions, by how much they are violated at most in any step, and over their scale."""
     solution, units = run.solution, run.case.units
-    if solution is None or not _solved(solution):
+    if not _solved(solution):
         return []
     parts = solution.certificates
     kinds = {

@@ -539,7 +539,7 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
 
 def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> str:
     """Largest slip and friction work of the nodes next to the stations at an end of a front."""
-    if run.solution is None or not run.solution.keeps(*run.loads.evaluated):
+    if not run.solution.keeps(*run.loads.evaluated):
         return "Slip and friction work there are unknown, because not all tractions are kept."
     first, history = station.arc < front.length / 2, run.contact_history(contact.name)
     reach = (-station.size, station.depth)
@@ -589,7 +589,7 @@ def _agreement(words: Counter[Verdict]) -> str:
 
 def _step_text(run: Result) -> str:
     solution = run.solution
-    if solution is None or run.failure is not None:
+    if run.failure is not None:
         return ""
     worst = float(solution.certificates["worst"].max())
     return (

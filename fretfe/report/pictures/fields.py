@@ -147,7 +147,6 @@ class Fields:
     @property
     def dimension(self) -> int:
         """Number of coordinates of the bodies."""
-        assert self.run.solution is not None
         return self.run.solution.dimension
 
     def available(self, states: Sequence[int]) -> list[int]:

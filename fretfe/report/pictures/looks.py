@@ -196,7 +196,6 @@ class Look:
 def find_look(source: Fields, states: Sequence[int]) -> Look:
     """The look that suits some states."""
     fields = [body for state in states for body in source.bodies(state).values()]
-    assert source.run.solution is not None
     contacts = source.run.solution.contacts
     scale = deformation_scale(fields, contacts, states)
     if source.dimension == 2:

@@ -369,7 +369,6 @@ def _along(first: Array, last: Array, middle: Array) -> Array:
 @mpl.rc_context(FRAMED)
 def draw_status(run: Result, contacts: Sequence[str], states: Sequence[int]) -> tuple[Figure, str]:
     """One row of panels for each contact, a column for each state, and the caption."""
-    assert run.solution is not None
     shown = [each for each in run.solution.contacts if each.name in contacts]
     columns = len(states)
     figure, axes = panels(columns * len(contacts), ASPECT, columns=columns)

@@ -148,7 +148,6 @@ def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
 def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[Figure, str]:
     """The surroundings of some contact edges with their elements, and the caption."""
     run, bodies = source.run, source.bodies(state)
-    assert run.solution is not None
     contacts = {contact.name: contact for contact in run.solution.contacts}
     views = [edge_view(contacts[edge.contact], edge, bodies) for edge in edges]
     shown = [(body, view) for view, moved in views for body in moved.values()]

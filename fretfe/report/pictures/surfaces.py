@@ -364,7 +364,6 @@ def reading(sheet: Sheet) -> str:
 def cycle_frames(run: Result) -> list[int]:
     """States of the evaluated cycle, or of everything, to be drawn; none if some are not kept."""
     states = cycle_states(run)
-    assert run.solution is not None
     if not run.solution.keeps(states[0], states[-1]):
         return []
     return _thinned(states, MOST_FRAMES)

@@ -1,10 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The backend `analytic`: closed forms for half-planes, exact where such a solution exists."""
+"""Closed forms of half-planes under a history of loads, exact where there is such a solution."""
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -16,8 +14,7 @@ from fretfe.analytic.partial_slip import PartialSlip, stick_zone_moderate_tensio
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import Hertz
 from fretfe.analytic.rocking import TiltedContact
-from fretfe.backends.halfplane import size_limits, with_size_errors
-from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
+from fretfe.backends.halfplane import with_size_errors
 from fretfe.case import Case
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.contact.march import LARGEST_MOVE, TOLERATED
@@ -32,21 +29,16 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import add_up, cycle_range, excess, half_plane_units, load_path
-from fretfe.evaluate.limits import unlike_notes, with_limit_warnings
 from fretfe.evaluate.plane.evaluate import shear_mismatch, tension_history
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
 from fretfe.evaluate.slip import SlipBorder, cycle_states, in_cycle, predicted_slip, slip_zones
-from fretfe.evaluate.step_ends import StepEnds, division_notes
+from fretfe.evaluate.step_ends import StepEnds
 from fretfe.history.solution import Factor
 from fretfe.idealise import (
     HalfPlaneProblem,
-    NotIdealisable,
     idealise,
-    obstacles,
-    unlike_obstacles,
 )
-from fretfe.idealise.problem import contact_edges, governing_length
-from fretfe.results.model import Result
+from fretfe.idealise.problem import contact_edges
 
 States = Indices
 
@@ -56,8 +48,6 @@ CONSTANT = 1e-9
 SMALL_STEP = 1e-4
 # Steps in which an edge moves far are halved so many times at most.
 HALVINGS = 10
-# Relative slip-zone length from which the asymptote deserves a warning: about 10 % error.
-LONG_SLIP_ZONE = 0.2
 
 
 @dataclass
@@ -204,52 +194,14 @@ def _zone(length: npt.ArrayLike) -> SlipBorder:
     return SlipBorder(max(float(np.asarray(length)), 0.0), resolved=True, gross=False)
 
 
-class AnalyticBackend:
-    """Closed forms of `fretfe.analytic` for a pad on a large block."""
-
-    summary = "closed forms for half-planes: pads on large blocks"
-
-    def supports(self, case: Case) -> tuple[str, ...]:
-        """Reasons why a case is not a half-plane problem, or asks for fields."""
-        found = obstacles(case)
-        unlike = () if found else unlike_obstacles(case)
-        return (*found, *unlike, *field_obstacles(case))
-
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
-        """Solve a case that is a half-plane problem.
-
-        Raises:
-            NotIdealisable: if it is none.
-            CaseError: if template, parameters or history are not valid.
-        """
-        start = time.perf_counter()
-        problem = idealise(case, options.history)
-        unlike = list(unlike_obstacles(case))
-        if unlike:
-            raise NotIdealisable(case, unlike)
-        steps, shares = divide(problem)
-        divided = problem.divided(steps, shares)
-        summary, used = solve_closed_form(divided)
-        ends = np.flatnonzero(shares == 1.0)
-        summary = StepEnds(divided.history.times, ends).contact(summary)
-        options.progress(
-            len(problem.history.times) - 1, len(problem.history.times) - 1, "closed form"
-        )
-        limits = tuple(size_limits(summary, problem))
-        notes = (*problem.notes, *division_notes(ends), *unlike_notes(case, [summary]))
-        if problem.dundurs:
-            beta = f"Dundurs' beta = {problem.dundurs:.3g}"
-            notes = (*notes, f"pressure and shear are taken as independent ({beta})")
-        if used:
-            notes = (*notes, f"slip lengths by: {', '.join(sorted(used))}")
-        return Result(
-            case=case,
-            loads=problem.history,
-            contacts=with_limit_warnings([with_size_errors(summary, problem)], limits),
-            limits=limits,
-            notes=notes,
-            seconds={"closed forms": time.perf_counter() - start},
-        )
+def closed_contact(case: Case) -> Contact:
+    """The contact of a case that is a half-plane problem."""
+    problem = idealise(case)
+    steps, shares = divide(problem)
+    divided = problem.divided(steps, shares)
+    contact, _ = solve_closed_form(divided)
+    ends = StepEnds(divided.history.times, np.flatnonzero(shares == 1.0))
+    return with_size_errors(ends.contact(contact), problem)
 
 
 def divide(problem: HalfPlaneProblem) -> tuple[Indices, Array]:
@@ -310,7 +262,7 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[Contact, set[str]]:
         steady=problem.history.cycle is not None,
         dissipation=dissipation,
         dissipation_change=np.nan,
-        warnings=tuple(_warnings(problem, contact, stations, used)),
+        warnings=(),
     ), used
 
 
@@ -382,22 +334,3 @@ def _dissipation(
     lengths = cycles.slip if cycles.irregular else np.array([zones[-1].length])
     work = dissipation_per_cycle(k_n[last], lengths, friction, problem.profile.e_star)
     return float(np.sum(work))
-
-
-def _warnings(
-    problem: HalfPlaneProblem, contact: TiltedContact, stations: list[Station], used: set[str]
-) -> Iterator[Caution]:
-    if ASYMPTOTE not in used:
-        return
-    half_width = float((contact.right[-1] - contact.left[-1]) / 2)
-    length = governing_length(problem, half_width)
-    longest = max(zone.length for station in stations for zone in station.slip_zones[-2:])
-    if longest > LONG_SLIP_ZONE * length:
-        text = (
-            f"the longest slip zone is {longest / length:.2g} of the length over which the edge "
-            "description holds"
-        )
-        yield Caution(Kind.ASYMPTOTE, Subject(problem.contact), text)
-
-
-BACKEND = AnalyticBackend()

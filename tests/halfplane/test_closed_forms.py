@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The analytic backend against the half-plane solution, load case by load case."""
+"""The half-plane solution against closed forms, load case by load case."""
 
 from __future__ import annotations
 
@@ -7,12 +7,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+from closed_forms import ASYMPTOTE, EXACT, MODERATE, solve_closed_form
 from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solved, started
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Wedge
-from fretfe.backends.analytic import ASYMPTOTE, EXACT, MODERATE, solve_closed_form
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact
 from fretfe.idealise import HalfPlaneProblem
 
@@ -144,9 +143,3 @@ def test_no_friction_no_slip_zones() -> None:
     closed, used = solve_closed_form(problem(LOAD, friction=0.0))
     assert used == set() and [edge.slip_zones for edge in closed.stations] == [(), ()]
     assert closed.stations[0].k_n[-1] == pytest.approx(np.sqrt(2) * HERTZ.e_star / 100)
-
-
-def test_a_long_slip_zone_is_warned_about() -> None:
-    given = steady(LOAD, wave(0.3 * LIMIT), wave(0.5 * FRICTION, 40))
-    closed, _ = solve_closed_form(given)
-    assert [each.kind for each in closed.warnings] == [Kind.ASYMPTOTE]
