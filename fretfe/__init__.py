@@ -32,7 +32,6 @@ API = (
     "plot_strength",
     "plot_tractions",
     "run",
-    "run_station",
     "strength_map",
     "sweep",
     "validate",

@@ -33,7 +33,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from fretfe.exchange.submodel import Submodel
-    from fretfe.station import StationModel
 
 __all__ = [
     "Checked",
@@ -59,7 +58,6 @@ __all__ = [
     "plot_strength",
     "plot_tractions",
     "run",
-    "run_station",
     "strength_map",
     "sweep",
     "validate",
@@ -129,26 +127,6 @@ def sweep(
         FretfeError: before any work, if a combination is not a valid case.
     """
     return Runner.find(backend).sweep(case, vary, _folder(output), observer)
-
-
-def run_station(result: Result, station: str, output: Path | str | None = None) -> StationModel:
-    """Take the plane problem next to a station out of the results of solids.
-
-    It has the slip zones and tractions that a mesh of solids can hardly resolve, beside those of
-    the nodes around the station. On process 0 only.
-
-    Args:
-        result: of solids, with all of its steps.
-        station: "CONTACT.FRONT.STATION", fronts counted from 1 and stations from 0. A contact or a
-            front alone stands for its station of the largest |ΔK|/(f K_N).
-        output: folder for what `fretfe station` writes; None writes nothing.
-
-    Raises:
-        FretfeError: if there is no such station, or no plane problem for it.
-    """
-    from fretfe.station import run_station as of_station
-
-    return of_station(result, station, _folder(output))
 
 
 def write_submodel(

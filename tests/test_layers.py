@@ -63,7 +63,6 @@ LAYERS = (
     "fretfe.sweeps.*",
     "fretfe.runner",
     "fretfe.checked",
-    "fretfe.station",
     "fretfe.matching.*",
     "fretfe.api",
     "fretfe.cli.*",

@@ -27,6 +27,7 @@ from solid_runs import (
     stationed_sphere,
     with_stations,
 )
+from stored_runs import solved as plane_run
 from typer.testing import CliRunner
 
 from fretfe._typing import Array
@@ -35,20 +36,21 @@ from fretfe.case import Body, Crystal, Units, contact_modulus, isotropic
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Frame, Station
-from fretfe.evaluate.edge_tractions import edge_nodes
+from fretfe.evaluate.edge_tractions import HalfCycleEnd, edge_nodes, half_cycle_ends
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.evaluate.space.local import add_local_problems, cycles_before
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
-from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
+from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot, worst_station
+from fretfe.report.page.html import draw_plots
 from fretfe.report.page.tables import front_texts
 from fretfe.report.source import shown_contacts
+from fretfe.report.theme import Plot
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.tables import station_records
 from fretfe.results.writer import write_results
-from fretfe.station import StationModel, run_station
 
 # The load is ±SHEAR/2 f P: the slip annulus of Cattaneo and Mindlin.
 WIDTH = 1 - (1 - 0.5 * SHEAR) ** (1 / 3)
@@ -132,8 +134,10 @@ def solid(bare: Result) -> Result:
 
 
 @pytest.fixture(scope="module")
-def model(solid: Result) -> StationModel:
-    return run_station(solid, "main.1.5", None)
+def ends(solid: Result) -> tuple[HalfCycleEnd, ...]:
+    """Tractions next to station 5."""
+    (contact,), (front,) = solid.solution.contacts, solid.contacts[0].fronts
+    return half_cycle_ends(contact, front, front.stations[5], solid.loads.times)
 
 
 def stations(result: Result) -> tuple[Station, ...]:
@@ -435,20 +439,29 @@ def test_work_leaves_out_what_has_no_plane_problem(bare: Result, solid: Result) 
     assert math.isnan(none.local_dissipation) and none.local_share == 0.0
 
 
-def test_tractions_next_to_the_edge(model: StationModel, solid: Result) -> None:
-    found, station = model.ends[-1].plane, stations(solid)[5]
+def test_tractions_next_to_the_edge(ends: tuple[HalfCycleEnd, ...], solid: Result) -> None:
+    found, station = ends[-1].plane, stations(solid)[5]
     sign = np.sign(station.k_along[station.slip_zones[-1].end])
     near = (found.s > 0.002) & (found.s < 0.03)
     ratio = found.pressure[near] / (K_N * np.sqrt(found.s[near]))
     assert np.abs(ratio - 1).max() < 0.03
     slipping = sign * FRICTION * found.pressure[near]
     np.testing.assert_allclose(found.shear[near], slipping, rtol=1e-6)
-    assert [end.slip for end in model.ends] == pytest.approx([WIDTH] * 2, rel=0.012)
-    solids = model.ends[-1].nodes
+    assert [end.slip for end in ends] == pytest.approx([WIDTH] * 2, rel=0.012)
+    solids = ends[-1].nodes
     assert len(solids.s) > 10 and np.all(np.diff(solids.s) >= 0)
     inside = solids.s > 0.1
     s = solids.s[inside]
     np.testing.assert_allclose(solids.pressure[inside], PEAK * np.sqrt(s * (2 - s)), rtol=0.03)
+
+
+def worst_plot(result: Result) -> Plot:
+    (shown,) = shown_contacts(result)
+    worst = worst_station(shown.summary)
+    assert worst is not None
+    plot = station_plot(shown, *worst)
+    assert plot is not None
+    return plot
 
 
 def test_a_front_alone_is_its_worst_station(solid: Result) -> None:
@@ -456,8 +469,8 @@ def test_a_front_alone_is_its_worst_station(solid: Result) -> None:
         solid,
         lambda each: replace(each, k_range=each.k_range * (1.01 if each.number == 7 else 1.0)),
     )
-    assert run_station(worse, "main.1", None).name == "main.1.7"
-    (plot,) = filter(None, map(station_plot, shown_contacts(worse)))
+    assert worse.find("main.1")[2].number == 7
+    plot = worst_plot(worse)
     assert plot.title == "Station main.1.7"
     assert re.search(r"is 0\.112\d* ± 0\.00\d+ mm by the plane problem, 0\.1 mm", plot.caption)
     vague = with_stations(
@@ -467,7 +480,7 @@ def test_a_front_alone_is_its_worst_station(solid: Result) -> None:
             slip_zones=tuple(replace(zone, local_spread=0.1) for zone in each.slip_zones),
         ),
     )
-    (plot,) = filter(None, map(station_plot, shown_contacts(vague)))
+    plot = worst_plot(vague)
     assert "is known to no better than half of it by the plane problem" in plot.caption
 
 
@@ -502,9 +515,12 @@ def test_nodes_are_those_of_a_whole_row_that_leaves_the_sector(solid: Result) ->
     np.testing.assert_array_equal(nodes.nodes, 3 * deep.shape[1] + np.arange(deep.shape[1]))
 
 
-def test_lines_are_pale_where_the_shear_is_not_known(model: StationModel) -> None:
+def test_lines_are_pale_where_the_shear_is_not_known(
+    ends: tuple[HalfCycleEnd, ...], solid: Result
+) -> None:
+    size = stations(solid)[5].size
     top, bottom = (Figure().add_subplot() for _ in range(2))
-    draw_half_cycle(top, bottom, model.ends, model.size, Units())
+    draw_half_cycle(top, bottom, ends, size, Units())
     assert top.get_legend_handles_labels()[1] == ["t = 2.25 s", "t = 2.75 s", "nodes"]
     lines = [line for line in bottom.lines if line.get_marker() == "None"][:-1]  # the last at zero
     strong = [line_of(each) for each in lines if each.get_linewidth() == 1.8]
@@ -515,7 +531,7 @@ def test_lines_are_pale_where_the_shear_is_not_known(model: StationModel) -> Non
     for s, _ in pale:
         assert s[0] > 0.9 * WIDTH and s[-1] > 0.9
     low, high = bottom.get_xlim()
-    assert low == -model.size and 3 * WIDTH < high <= 1.0
+    assert low == -size and 3 * WIDTH < high <= 1.0
     assert top.get_ylim()[0] == 0.0
 
 
@@ -583,7 +599,7 @@ def test_stations_without_a_plane_problem_say_why(
     assert reason in stations(result)[0].local.reason
     refused = "free end" if "end" in values else r"station main\.1\.0: expected its plane problem"
     with pytest.raises(ModelError, match=refused):
-        run_station(result, "main.1.0", None)
+        draw_plots(result, ["main.1.0"])
 
 
 def test_unknown_factors_in_the_cycle_are_told_with_their_state(bare: Result) -> None:
@@ -594,36 +610,34 @@ def test_unknown_factors_in_the_cycle_are_told_with_their_state(bare: Result) ->
     assert f"as late as in state {count - 3}" in stations(result)[0].local.reason
 
 
-def test_what_is_refused(solid: Result, tmp_path: Path) -> None:
+def test_what_is_refused(solid: Result) -> None:
     known = r"expected one of the edges main\.1\.0 to main\.1\.11, found "
     for name in ("none", "main.2.0", "main.1.12", "main:1"):
         with pytest.raises(CaseError, match=f"{known}'{name}'"):
-            run_station(solid, name, None)
+            draw_plots(solid, [name])
     failed = replace(solid, failure=ConvergenceError("step 9 did not converge"))
     with pytest.raises(OutputError, match="complete results, found: step 9"):
-        run_station(failed, "main.1.0", None)
-    write_results(tmp_path, solid)
-    with pytest.raises(CaseError, match="without results of a run"):
-        run_station(solid, "main.1.0", tmp_path)
+        draw_plots(failed, ["main.1.0"])
+    with pytest.raises(CaseError, match="expected results of solids, found those of plane bodies"):
+        draw_plots(plane_run("halfplane"), ["main.left"])
 
 
 def test_command(solid: Result, tmp_path: Path) -> None:
-    folder, output = tmp_path / "solid", tmp_path / "station"
-    folder.mkdir()
-    write_results(folder, solid)
-    again = load_result(folder)
+    write_results(tmp_path, solid)
+    again = load_result(tmp_path)
     assert [each.local.work for each in stations(again)] == [
         each.local.work for each in stations(solid)
     ]
-    done = CliRunner().invoke(app, ["station", str(folder), "main.1.5", "-o", str(output)])
-    assert done.exit_code == 0, done.exception
-    assert "plane problem" in done.output and f"Files in {output}" in done.output.replace("\n", "")
-    assert re.search(r"K_N \S+ ± \S+, ΔK \S+ ± \S+", done.output)
-    (written,) = json.loads((folder / "results.json").read_text("utf-8"))["contacts"].values()
+    (written,) = json.loads((tmp_path / "results.json").read_text("utf-8"))["contacts"].values()
     (contact,) = again.contacts
     assert contact.local_dissipation == solid.contacts[0].local_dissipation
     assert written["local_dissipation"] == contact.local_dissipation
     assert written["local_share"] == pytest.approx(1.0)
-    numbers = json.loads((output / "station.json").read_text("utf-8"))
-    assert numbers["name"] == "main.1.5" and numbers["power"] == pytest.approx(3.0, abs=1e-5)
-    assert {path.name for path in output.iterdir()} == {"station.png", "station.json"}
+    # The worst one, one of its own, and the worst one once more.
+    worst = again.find("main")[2].number
+    chosen = ("--station", "main.1.5", "--station", f"main.1.{worst}")
+    done = CliRunner().invoke(app, ["report", str(tmp_path), *chosen])
+    assert done.exit_code == 0, done.exception
+    page = (tmp_path / "report.html").read_text("utf-8")
+    for number in {5, worst}:
+        assert page.count(f"Station main.1.{number}") == 1

@@ -67,7 +67,6 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (run.sweep, run.SWEEP_EXAMPLES),
     (lists.backends, lists.BACKENDS_EXAMPLES),
     (run.validate, run.VALIDATE_EXAMPLES),
-    (laboratory.station, laboratory.STATION_EXAMPLES),
     (laboratory.match, laboratory.MATCH_EXAMPLES),
     (run.verify, run.VERIFY_EXAMPLES),
     (meshes.check, meshes.CHECK_EXAMPLES),

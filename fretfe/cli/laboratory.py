@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Commands about edges and what tests them: `fretfe match`, `strength` and `station`."""
+"""Commands about edges and what tests them: `fretfe match` and `strength`."""
 
 from __future__ import annotations
 
@@ -17,12 +17,10 @@ from fretfe.report.texts import MISSING, number, percent, plain_table, print_who
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from fretfe.case import Units
     from fretfe.matching.agreement import Reach
     from fretfe.matching.choose import Choice
     from fretfe.matching.match import Comparison, Match
     from fretfe.matching.target import Target
-    from fretfe.station import StationModel
     from fretfe.strength.margins import Margin, StrengthMap
 
 # Part of ΔK_T below which ΔK_I is none.
@@ -325,58 +323,3 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     for result in found.without_edges:
         said.setdefault("the result has no edges whose factors are known", []).append(result)
     return texts + [f"Note: {', '.join(names)}: {text}" for text, names in said.items()]
-
-
-STATION_EXAMPLES = examples(
-    "fretfe station sphere main.1.12 -o sphere_12",
-    "fretfe station dovetail left.2 -o left_2",
-)
-
-
-def station(
-    directory: Results,
-    name: Annotated[
-        str,
-        typer.Argument(
-            metavar="CONTACT.FRONT.STATION",
-            help="Fronts are counted from 1, stations along them from 0; a contact or a front "
-            "alone is its station of the largest |ΔK|/(f K_N).",
-            show_default=False,
-        ),
-    ],
-    output: Annotated[Path, typer.Option("--output", "-o", help="Folder for the results.")],
-) -> None:
-    """Show the plane problem of a station of solids.
-
-    It has the edge factors of the station; its slip zones and tractions stand beside those of the
-    nodes around the station.
-    """
-    if rank_from_environment() > 0:
-        return
-
-    from fretfe.api import load_result, run_station
-
-    result = load_result(directory)
-    model = run_station(result, name, output)
-    print_whole(_station_table(result.case.units, model))
-    units = result.case.units
-    print(
-        f"K_N {with_error(model.k_n, model.k_n_spread)}, ΔK "
-        f"{with_error(model.k_range, model.k_range_spread)}\n"
-        f"Plane problem: half-width {model.half_width:.4g}, gap as |x|^{model.power:.3g}; largest "
-        f"slip {model.slip:.3g} {units.length}, friction work {model.work:.3g} "
-        f"{units.force}·{units.length}/{units.length} in the cycle\nFiles in {output}"
-    )
-
-
-def _station_table(units: Units, model: StationModel) -> Table:
-    title = f"Slip zones at station {model.name}, lengths in {units.length}"
-    table = plain_table(title, ("half cycle", "by nodes", "predicted", "plane problem"), text=1)
-    for zone in model.zones:
-        table.add_row(
-            f"{zone.start:g} to {zone.end:g}",
-            with_error(zone.solid, zone.solid_spread),
-            number(zone.predicted, 3),
-            with_error(zone.plane, zone.plane_spread),
-        )
-    return table

@@ -202,14 +202,26 @@ def schema() -> None:
     print(json.dumps(case_schema(), indent=2))
 
 
-def report(directory: Results) -> None:
+def report(
+    directory: Results,
+    station: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="CONTACT.FRONT.STATION",
+            help="Station of solids to draw beside the worst ones; can be given several times. "
+            "Fronts are counted from 1, stations along them from 0; a contact or a front alone is "
+            "its station of the largest |ΔK|/(f K_N).",
+            show_default=False,
+        ),
+    ] = None,
+) -> None:
     """Make report.html again from the results in a folder.
 
     Pictures are drawn again if some of them are missing.
     """
-    from fretfe.report.page.html import write_report
+    from fretfe.report.page.html import draw_plots, write_report
     from fretfe.report.pictures.folder import lacks_pictures, make_pictures
-    from fretfe.results.reader import read_numbers
+    from fretfe.results.reader import load_result, read_numbers
     from fretfe.results.run_folder import locked
 
     if rank_from_environment() > 0:
@@ -219,7 +231,8 @@ def report(directory: Results) -> None:
         if lacks_pictures(directory):
             print("Drawing the pictures, of which some are missing ...", flush=True)
             guarded("pictures", lambda: make_pictures(directory), lambda _: None)
-        path = write_report(directory)
+        plots = draw_plots(load_result(directory), station) if station else None
+        path = write_report(directory, plots)
     print(f"Report in {path}")
     require_none(collected.faults, directory)
 

@@ -303,7 +303,7 @@ def _require_comparable(first: Result, second: Result) -> None:
     if kinds[0] != kinds[1]:
         raise CaseError(
             f"expected two results of plane bodies or two of solids, found {kinds[0]} and "
-            f"{kinds[1]}: fretfe station compares a station of solids with a plane problem"
+            f"{kinds[1]}: fretfe report --station draws a station of solids with its plane problem"
         )
     units = [each.case.units for each in (first, second)]
     if units[0] != units[1]:

@@ -10,7 +10,7 @@ from types import ModuleType
 
 # By page: what it is about, and the modules whose names it has.
 PAGES = {
-    "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api", "fretfe.station")),
+    "fretfe": ("Run and evaluate cases", ("fretfe", "fretfe.api")),
     "results": (
         "Results",
         (

@@ -490,20 +490,19 @@ def _lengths(station: Station) -> tuple[float, ...]:
     return (zone.reported_local, zone.local_spread, station.told_prediction(zone), *nodes)
 
 
-def station_plot(shown: Shown) -> Plot | None:
-    """Tractions next to the worst station of a contact of solids; None without any.
-
-    The worst is that of the largest |ΔK|/(f K_N) not too near an end of its front.
-    """
+def worst_station(contact: Contact) -> tuple[Front, Station] | None:
+    """The station of the largest |ΔK|/(f K_N) not too near an end of its front; None without."""
     known = [
         (front, station)
-        for front in shown.summary.fronts
+        for front in contact.fronts
         for station in front.judged
         if math.isfinite(station.range_over_k_n) and station.local.tractions
     ]
-    if not known:
-        return None
-    front, station = max(known, key=lambda each: each[1].range_over_k_n)
+    return max(known, key=lambda each: each[1].range_over_k_n, default=None)
+
+
+def station_plot(shown: Shown, front: Front, station: Station) -> Plot | None:
+    """Tractions next to a station of solids; None where its last half cycle has none."""
     ends = half_cycle_ends(shown.tractions, front, station, shown.run.loads.times)
     if not ends:
         return None
@@ -524,7 +523,8 @@ def station_plot(shown: Shown) -> Plot | None:
         f"is {number(station.size, 2)} {units.length}."
     )
     title = f"Station {shown.summary.name_of(station)}"
-    return make_plot(f"{shown.key}-station", title, caption, DOUBLE, draw)
+    key = f"{shown.key}-{station.front.replace(' ', '-')}-{station.number}"
+    return make_plot(key, title, caption, DOUBLE, draw)
 
 
 def _by_plane_problem(zone: SlipZone, units: Units) -> str:

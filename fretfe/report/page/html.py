@@ -23,8 +23,8 @@ from markupsafe import Markup, escape
 from rich.table import Table
 
 from fretfe.caution import grouped
-from fretfe.errors import OutputError
-from fretfe.evaluate.contacts import Contact
+from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.faults import Fault, guarded
 from fretfe.files import disk_reason, replace_text
 from fretfe.history.solution import Solution
@@ -51,6 +51,7 @@ from fretfe.results.writer import REPORT
 
 # Draws a figure, or some.
 Draw = Callable[[], "Plot | list[Plot] | None"]
+At = tuple[Contact, Front, Station]
 TEMPLATE, STYLE = "report.html.j2", "report.css"
 # Parts of a certificate, in the order of the page, with what they are a violation of.
 CERTIFICATE = {
@@ -134,21 +135,52 @@ class Plots:
     missing: tuple[str, ...] = ()
 
 
-def draw_plots(run: Result) -> Plots:
-    """Everything that is drawn from the results but pictures of bodies."""
+def draw_plots(run: Result, stations: Sequence[str] = ()) -> Plots:
+    """Everything that is drawn from the results but pictures of bodies.
+
+    Args:
+        run: the results.
+        stations: names of stations of solids that are drawn beside the worst one of each contact.
+
+    Raises:
+        FretfeError: if there is no such station, or no plane problem for it.
+    """
     failed: list[Fault] = []
-    sections = guarded("figures", lambda: _sections(run), failed.append) or ()
+    chosen = [_chosen(run, name) for name in stations]
+    sections = guarded("figures", lambda: _sections(run, chosen), failed.append) or ()
     if failed:
         sections = (Section("figures", "Figures", "None could be drawn.", (), (failed[0].text,)),)
     solver = _section("solver", "Solver and checks", "", _solver_plots(run))
     return Plots(sections, solver.plots, solver.missing)
 
 
-def _sections(run: Result) -> tuple[Section, ...]:
+def _chosen(run: Result, name: str) -> At:
+    """A station of solids with its contact and front.
+
+    Raises:
+        CaseError: if there is no such station.
+        OutputError: if the results are not complete.
+        ModelError: if there is no plane problem for the station.
+    """
+    if not run.solid:
+        raise CaseError(
+            f"{run.directory or run.case.source}: --station: expected results of solids, found "
+            "those of plane bodies"
+        )
+    contact, front, station = run.find(name)
+    if station.local.reason:
+        raise ModelError(
+            f"station {contact.name_of(station)}: expected its plane problem, found none: "
+            f"{station.local.reason}"
+        )
+    return contact, front, station
+
+
+def _sections(run: Result, chosen: Sequence[At]) -> tuple[Section, ...]:
     if len(run.loads.times) < 2:
         return ()
     if run.solid:
-        return _solid_sections(run)
+        return _solid_sections(run, chosen)
     shown, keyed = shown_contacts(run), _keyed(run)
     factors = [partial(history.factor_plot, run, contact, key) for key, contact in keyed]
     paths = [partial(history.path_plot, run, contact, key) for key, contact in keyed]
@@ -197,7 +229,7 @@ def _sections(run: Result) -> tuple[Section, ...]:
     return tuple(section for section in sections if section.plots or section.missing)
 
 
-def _solid_sections(run: Result) -> tuple[Section, ...]:
+def _solid_sections(run: Result, chosen: Sequence[At]) -> tuple[Section, ...]:
     shown, keyed = shown_contacts(run), _keyed(run)
     loops: list[Draw] = [
         *_each(history.slip_loop_plot, shown),
@@ -220,13 +252,25 @@ def _solid_sections(run: Result) -> tuple[Section, ...]:
             "stations",
             "Next to the worst stations",
             edges.STATIONS_INTRO,
-            _each(edges.station_plot, shown),
+            _station_draws(shown, chosen),
         ),
         _section("areas", "Contacts over time", edges.AREAS_INTRO, areas),
         _section("loads", "Loads", "Shaded: the evaluated cycle.", loads),
         _section("loops", "Hysteresis", history.SOLID_LOOPS_INTRO, loops),
     )
     return tuple(section for section in sections if section.plots or section.missing)
+
+
+def _station_draws(shown: Iterable[Shown], chosen: Sequence[At]) -> list[Draw]:
+    """Draws the worst station of each contact, then others, none of them twice."""
+    draws: dict[str, Draw] = {}
+    for each in shown:
+        worst = edges.worst_station(each.summary)
+        own = [at[1:] for at in chosen if at[0] is each.summary]
+        for front, station in ([worst] if worst else []) + own:
+            name = each.summary.name_of(station)
+            draws[name] = partial(edges.station_plot, each, front, station)
+    return list(draws.values())
 
 
 def _keyed(run: Result) -> list[tuple[str, Contact]]:
