@@ -12,7 +12,7 @@ unexport PYTHONDONTWRITEBYTECODE
 BIN := .venv/bin
 LIGHT := .venv-light/bin
 CPP := $(wildcard fretfe/_core/*.cpp fretfe/_core/*.hpp)
-BUILD_INPUTS := pyproject.toml CMakeLists.txt $(CPP) $(wildcard meshes/*.geo materials/*.toml tools/*.*)
+BUILD_INPUTS := pyproject.toml CMakeLists.txt $(CPP) $(wildcard meshes/*.geo tools/*.*)
 PYTHON_SOURCES := $(shell find fretfe -name '*.py')
 
 # Compiler warnings are errors where changes are checked, not on a user's machine.

@@ -28,7 +28,7 @@ from compare import Row, finish
 from matplotlib.figure import Figure
 
 import fretfe
-from fretfe.case import normal_modulus
+from fretfe.materials.moduli import normal_modulus
 from fretfe.results.model import Result
 from fretfe.runner import Runner
 

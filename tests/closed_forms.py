@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +16,6 @@ from fretfe.analytic.profiles import Hertz
 from fretfe.analytic.rocking import TiltedContact
 from fretfe.backends.halfplane import with_size_errors
 from fretfe.case import Case
-from fretfe.caution import Caution, Kind, Subject
 from fretfe.contact.march import LARGEST_MOVE, TOLERATED
 from fretfe.evaluate.contacts import (
     Contact,

@@ -22,7 +22,9 @@ PETSC_DEPRECATION = "PETSc DEPRECATION WARNING"
 TESTS = Path(__file__).parent
 FEM_TESTS = TESTS / "fem"
 # NumPy and SciPy alone; single files elsewhere say so themselves.
-FORMULA_TESTS = [TESTS / name for name in ("analytic", "contact", "halfplane", "idealise")]
+FORMULA_TESTS = [
+    TESTS / name for name in ("analytic", "contact", "halfplane", "idealise", "materials")
+]
 # What PyVista or Gmsh draws or does, in files that also run where they are missing.
 PICTURE_TESTS = [
     TESTS / "report" / name

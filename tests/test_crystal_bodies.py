@@ -9,25 +9,15 @@ import numpy as np
 import pytest
 from pad_cases import SLIDING, STEEL, pad, press, pull, shear
 
-from fretfe.analytic.crystals import bunge_rotation, cubic
-from fretfe.analytic.crystals import isotropic as isotropic_stiffness
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
-from fretfe.case import (
-    Body,
-    Case,
-    Crystal,
-    changed,
-    check_dimension,
-    contact_modulus,
-    isotropic,
-    normal_modulus,
-    parse_case,
-    plane_modulus,
-)
+from fretfe.case import Body, Case, Crystal, changed, check_dimension, isotropic, parse_case
 from fretfe.errors import CaseError
 from fretfe.history.solution import SLIP
 from fretfe.idealise.bodies import cross_compliance, dissimilarity, read_block, side_tension
 from fretfe.idealise.case import idealise, obstacles
+from fretfe.materials.crystals import bunge_rotation, cubic
+from fretfe.materials.crystals import isotropic as isotropic_stiffness
+from fretfe.materials.moduli import contact_modulus, normal_modulus, plane_modulus
 from fretfe.mesh.templates import check_parameters, find_template
 
 NICKEL = {"cubic": [252e3, 161e3, 131e3]}

@@ -15,10 +15,10 @@ from pad_cases import pad, press
 from fretfe._typing import Array
 from fretfe.bodies.definition import define_model, model_notes
 from fretfe.bodies.loads.strain import Layer
-from fretfe.bodies.material import Material
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.idealise import obstacles
+from fretfe.materials.material import Material
 from fretfe.mesh.mesh import Mesh, check_groups
 from fretfe.surface.surface import boundary_surface
 

@@ -111,7 +111,7 @@ def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 def test_source_package_has_the_sources_and_no_more(source_files: set[str]) -> None:
     beside = {"CHANGELOG.md", "CITATION.cff", "CMakeLists.txt", "LICENSE", "LICENSE.GPL"}
     beside |= {"PKG-INFO", "README.md", "pyproject.toml"}
-    folders = ("fretfe", "meshes", "materials", "docs")
+    folders = ("fretfe", "meshes", "docs")
     assert source_files == beside.union(*(sources(Path(each)) for each in folders))
 
 
@@ -120,7 +120,7 @@ def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
     libraries = {name for name in package if name.endswith(".so")}
     assert libraries == {f"fretfe/_core/{name}.so" for name in ("_kernels.abi3", "_gemmt")}
     python = {name for name in sources(Path("fretfe")) if not name.endswith((".cpp", ".hpp"))}
-    data = {f"fretfe/{name}" for each in ("meshes", "materials") for name in sources(Path(each))}
+    data = {f"fretfe/{name}" for name in sources(Path("meshes"))}
     glossary = "fretfe/report/page/glossary.md"
     assert package == python | data | libraries | {glossary}
     # The report and a check read these files when they run.

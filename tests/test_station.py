@@ -32,7 +32,7 @@ from typer.testing import CliRunner
 
 from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded
-from fretfe.case import Body, Crystal, Units, contact_modulus, isotropic
+from fretfe.case import Body, Crystal, Units, isotropic
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Frame, Station
@@ -42,6 +42,7 @@ from fretfe.evaluate.space.local import add_local_problems, cycles_before
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.verdicts import judge
 from fretfe.local.problem import solve_batches
+from fretfe.materials.moduli import contact_modulus
 from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot, worst_station
 from fretfe.report.page.html import draw_plots
 from fretfe.report.page.tables import front_texts

@@ -14,10 +14,10 @@ from itertools import product
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.analytic.crystals import turned
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition, Pair
 from fretfe.bodies.point_values import FLAT
 from fretfe.case import Case
+from fretfe.materials.crystals import turned
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.surface import Surface, boundary_surface
 

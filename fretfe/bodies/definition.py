@@ -15,11 +15,11 @@ from fretfe.bodies.loads.kinds import require_one_rotation, spread_loads
 from fretfe.bodies.loads.motion import moved_boundaries, read_all_cuts
 from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.bodies.loads.strain import require_temperatures
-from fretfe.bodies.material import Material
 from fretfe.case import Case
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import ModelError
 from fretfe.loads import History
+from fretfe.materials.material import Material
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.surface import Surface, build_surface

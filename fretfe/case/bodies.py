@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, Self
 
 from pydantic import (
     AfterValidator,
@@ -22,11 +22,9 @@ from pydantic import (
 )
 
 from fretfe.case.base import TAG, Number, Positive, Table, Temperature, Text
-from fretfe.case.tables import Plane
 
 if TYPE_CHECKING:
     from fretfe._typing import Array
-    from fretfe.analytic.crystals import HalfPlane
 
 # Rows of a rotation, and two crystal directions, may miss right angles and lengths by this: numbers
 # typed with four digits pass.
@@ -142,10 +140,15 @@ class Body(Table):
     material: Material = None
     temperature: At = None
 
-    @property
-    def shear_modulus(self) -> float:
-        """Shear modulus E/(2(1 + nu)), in stress units."""
-        return self.young / (2 * (1 + self.poisson))
+    # Displacements in the plane and across it do not depend on each other.
+    couples_across: ClassVar[bool] = False
+
+    @cached_property
+    def stiffness(self) -> Array:
+        """(6, 6) in Voigt's order."""
+        from fretfe.materials.crystals import isotropic
+
+        return isotropic(self.young, self.poisson)
 
 
 Three = tuple[Number, Number, Number]
@@ -192,7 +195,7 @@ class Elastic(Table):
 
     @model_validator(mode="after")
     def _positive_definite(self) -> Self:
-        from fretfe.analytic.crystals import smallest_eigenvalue
+        from fretfe.materials.crystals import smallest_eigenvalue
 
         what = "stiffness" if self.orthotropic is None else "compliance"
         smallest = smallest_eigenvalue(self._given)
@@ -206,7 +209,7 @@ class Elastic(Table):
     @property
     def _given(self) -> Array:
         """(6, 6) stiffness, of engineering constants compliance."""
-        from fretfe.analytic import crystals
+        from fretfe.materials import crystals
 
         if self.cubic is not None:
             return crystals.cubic(*self.cubic)
@@ -288,7 +291,7 @@ class Orientation(Table):
         """(3, 3) rows: axes of the crystal in the axes of the model."""
         import numpy as np
 
-        from fretfe.analytic.crystals import bunge_rotation
+        from fretfe.materials.crystals import bunge_rotation
 
         if self.euler is not None:
             return bunge_rotation(self.euler)
@@ -339,9 +342,16 @@ class Crystal(Table):
     @cached_property
     def stiffness(self) -> Array:
         """(6, 6) in Voigt's order, in the axes of the model."""
-        from fretfe.analytic.crystals import turned
+        from fretfe.materials.crystals import turned
 
         return turned(self.elastic.stiffness, self.orientation.axes.T)
+
+    @property
+    def couples_across(self) -> bool:
+        """True if displacements in the plane and across it depend on each other."""
+        from fretfe.materials.crystals import couples_across
+
+        return couples_across(self.stiffness) > COUPLED
 
 
 ISOTROPIC, CRYSTAL = f"{TAG}isotropic", f"{TAG}crystal"
@@ -365,7 +375,7 @@ def isotropic(body: AnyBody) -> Body | None:
     """The body if it is isotropic, whichever way its constants are given; None for a crystal."""
     if isinstance(body, Body):
         return body
-    from fretfe.analytic.crystals import young_and_poisson
+    from fretfe.materials.crystals import young_and_poisson
 
     found = young_and_poisson(body.stiffness)
     if found is None:
@@ -377,104 +387,3 @@ def isotropic(body: AnyBody) -> Body | None:
         expansion=body.expansion,
         reference_temperature=body.reference_temperature,
     )
-
-
-def stiffness(body: AnyBody, plane: Plane) -> Array:
-    """(6, 6) stiffness in the axes of the model; in plane stress that of strains in the plane."""
-    from fretfe.analytic import crystals
-
-    own = body.stiffness if isinstance(body, Crystal) else crystals.isotropic(*_constants(body))
-    return crystals.plane_stress(own) if plane == "stress" else own
-
-
-def compliance(body: AnyBody) -> Array:
-    """(6, 6) in the axes of the model, in Voigt's order for engineering strains."""
-    import numpy as np
-
-    return np.linalg.inv(stiffness(body, "strain"))
-
-
-def _constants(body: Body) -> tuple[float, float]:
-    return body.young, body.poisson
-
-
-def couples_across(body: AnyBody) -> bool:
-    """True if displacements in the plane and across it depend on each other."""
-    from fretfe.analytic.crystals import couples_across
-
-    return isinstance(body, Crystal) and couples_across(body.stiffness) > COUPLED
-
-
-def half_plane(body: AnyBody, plane: Plane, frame: Array) -> HalfPlane:
-    """The half-plane of a body with a frame (d, d): rows normal, tangent and, in space, across."""
-    import numpy as np
-
-    from fretfe.analytic.crystals import HalfPlane
-
-    if (known := isotropic(body)) is not None:
-        return HalfPlane.isotropic(known.young, known.poisson, plane)
-    whole = np.eye(3)
-    whole[: len(frame), : len(frame)] = frame
-    return HalfPlane.of(stiffness(body, plane), whole)
-
-
-def half_planes(body: AnyBody, plane: Plane, normal: Array) -> list[HalfPlane]:
-    """Half-planes of a body with a normal (d,): in space all around it."""
-    import numpy as np
-
-    from fretfe.analytic.crystals import around
-
-    if len(normal) == 2:
-        return [half_plane(body, plane, np.array([normal, [normal[1], -normal[0]]]))]
-    return [half_plane(body, plane, frame) for frame in around(np.asarray(normal))]
-
-
-def plane_modulus(body: AnyBody, plane: Plane, along: tuple[float, float] = (1.0, 0.0)) -> float:
-    """Modulus of uniaxial stress in the plane: E/(1 - nu^2) in plane strain, E in plane stress.
-
-    Args:
-        body: the body.
-        plane: state of the plane.
-        along: direction (2,) of the stress, which matters to a crystal.
-    """
-    known = isotropic(body)
-    if known is not None:
-        return known.young / (1 - known.poisson**2) if plane == "strain" else known.young
-    import numpy as np
-
-    assert isinstance(body, Crystal)
-    x, y = along
-    tensile = np.array([x * x, y * y, 0.0, 0.0, 0.0, x * y])
-    compliance = np.linalg.inv(body.stiffness)
-    across = compliance[2] if plane == "strain" else np.zeros(6)
-    stretch = compliance @ tensile - across * (across @ tensile) / compliance[2, 2]
-    return float(1 / (stretch @ tensile))
-
-
-def normal_modulus(body: AnyBody, plane: Plane, normal: Array | None = None) -> float:
-    """Modulus by which pressure on a half-plane, or half-space, displaces its surface.
-
-    E' of an isotropic body. Of a crystal 2/A_n with the normal component A_n of the compliance; in
-    space the mean of A_n over all directions, which is that of the Green's function.
-
-    Args:
-        body: the body.
-        plane: state of the plane; without meaning in space.
-        normal: (d,) of its surface; a crystal needs it.
-    """
-    if (known := isotropic(body)) is not None:
-        return plane_modulus(known, plane)
-    assert normal is not None
-    around = half_planes(body, plane, normal)
-    return 2 * len(around) / float(sum(each.compliance[0, 0] for each in around))
-
-
-def contact_modulus(
-    body1: AnyBody, body2: AnyBody, plane: Plane, normal: Array | None = None
-) -> float:
-    """Contact modulus E*: 1/E* = sum of 1/normal_modulus of the two bodies (Hertz).
-
-    For two isotropic bodies of E and nu in plane strain E* = E/(2(1 - nu^2)). In space the contact
-    of crystals is not quite that of isotropic bodies with this modulus.
-    """
-    return 1 / sum(1 / normal_modulus(body, plane, normal) for body in (body1, body2))

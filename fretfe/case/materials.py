@@ -76,10 +76,8 @@ class MaterialFile(Table):
 
 
 def material_directory() -> Path:
-    """The folder `materials`: inside the installed package, or next to it in a checkout."""
-    package = Path(__file__).resolve().parents[1]
-    installed = package / "materials"
-    return installed if installed.is_dir() else package.parent / "materials"
+    """The folder of the materials that come with fretfe."""
+    return Path(__file__).resolve().parents[1] / "materials"
 
 
 def material_names() -> tuple[str, ...]:

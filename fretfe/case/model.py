@@ -12,7 +12,7 @@ from typing import Any, NamedTuple, Self
 from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import AXES, Name, Table, unit_vector
-from fretfe.case.bodies import AnyBody, Given, OverTemperature, couples_across
+from fretfe.case.bodies import AnyBody, Given, OverTemperature
 from fretfe.case.loads import (
     AccelerationLoad,
     Along,
@@ -408,7 +408,7 @@ class Case(Table):
             if load.along == "z" or (isinstance(load.along, tuple) and any(load.along[2:])):
                 yield "loads", name, "direction"
         for name, body in self.bodies.items():
-            if couples_across(body):
+            if body.couples_across:
                 yield "bodies", name, "orientation"
 
     def resolve(self, file: str) -> Path:

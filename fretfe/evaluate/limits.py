@@ -16,11 +16,12 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Case, normal_modulus
+from fretfe.case import Case
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
+from fretfe.materials.moduli import normal_modulus
 from fretfe.verdict import Verdict
 
 # Not loaded by reports: SciPy comes with it.

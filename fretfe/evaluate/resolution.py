@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.case import Case, contact_modulus, unit_vector
+from fretfe.case import Case, unit_vector
 from fretfe.case import Contact as ContactTable
 from fretfe.case.loads import Push
 from fretfe.errors import MeshError
@@ -26,6 +26,7 @@ from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
+from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.sizing import FinePlaces
 from fretfe.surface.checks import InitialGap, initial_gaps

@@ -14,8 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.analytic.crystals import slip_systems
-from fretfe.case import AnyBody, Crystal, compliance
+from fretfe.case import AnyBody, Crystal
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import (
     PAIRS,
@@ -30,6 +29,8 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.surface_stress import EdgeValue
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
+from fretfe.materials.crystals import slip_systems
+from fretfe.materials.moduli import compliance
 
 # Stress of two states that differs by no more than this fraction is the same.
 ROUNDING = 1e-6

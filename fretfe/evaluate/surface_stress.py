@@ -27,11 +27,12 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.crystals import PAIRS
-from fretfe.case import AnyBody, compliance
+from fretfe.case import AnyBody
 from fretfe.case.tables import Plane
 from fretfe.evaluate.critical_planes import PAIRS as ORDER
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
+from fretfe.materials.crystals import PAIRS
+from fretfe.materials.moduli import compliance
 from fretfe.mesh.elements import quadrature, shape_slopes, shape_values
 from fretfe.surface.surface import Surface
 

@@ -26,9 +26,7 @@ from dolfinx.mesh import meshtags_from_entities
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.crystals import PAIRS, VOIGT
 from fretfe.bodies.loads.spread import SpreadLoad, SurfaceTraction
-from fretfe.bodies.material import Material
 from fretfe.fem._compat import (
     MPI,
     PETSc,
@@ -39,6 +37,8 @@ from fretfe.fem._compat import (
     vtk_order,
 )
 from fretfe.files import open_own, require_writable
+from fretfe.materials.crystals import PAIRS, VOIGT
+from fretfe.materials.material import Material
 from fretfe.mesh.elements import facet_node_count
 from fretfe.mesh.mesh import BodyMesh
 

@@ -14,14 +14,15 @@ from dolfinx import fem
 from fretfe._typing import Array, Bools
 from fretfe.analytic.edges import oscillation
 from fretfe.bodies.definition import Pair
-from fretfe.bodies.material import Material
-from fretfe.case import Case, half_plane
+from fretfe.case import Case
 from fretfe.contact.full_stick import FRACTION, Increments
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.fem.interaction_integral import Forms, InteractionForm, Tip, Tube
 from fretfe.fem.model import Model, Request, Share
 from fretfe.idealise.bodies import coupled_beta
+from fretfe.materials.material import Material
+from fretfe.materials.moduli import half_plane
 
 # Whether bodies 1 and 2 are above the interface.
 UPPER = (True, False)

@@ -11,13 +11,13 @@ import ufl
 from dolfinx import fem
 
 from fretfe._typing import Array
-from fretfe.analytic.crystals import CrackTip, turned
 from fretfe.fem.elasticity import (
     CrystalElasticity,
     Elasticity,
     of_dimension,
     padded,
 )
+from fretfe.materials.crystals import CrackTip, turned
 
 # Angles below this are equal to their tangents to round-off.
 SMALL_ANGLE = 1e-4

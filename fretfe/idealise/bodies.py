@@ -10,18 +10,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.analytic.crystals import coupling
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
-from fretfe.case import (
-    AnyBody,
-    Case,
-    Plane,
-    contact_modulus,
-    couples_across,
-    half_plane,
-    half_planes,
-    isotropic,
-)
+from fretfe.case import AnyBody, Case, Plane, isotropic
+from fretfe.materials.crystals import coupling
+from fretfe.materials.material import Material
+from fretfe.materials.moduli import contact_modulus, half_plane, half_planes
 
 UPPER, LOWER = "upper", "lower"
 # Of the contact surface of the lower body, and with it a tangent.
@@ -203,7 +196,7 @@ def _compliance(body1: AnyBody, body2: AnyBody, plane: Plane) -> Array:
 def _crystal_obstacles(case: Case) -> Iterator[str]:
     """Reasons why crystals are no half-planes with pressure and shear apart from each other."""
     pair = case.bodies[UPPER], case.bodies[LOWER]
-    coupled = [name for name in (UPPER, LOWER) if couples_across(case.bodies[name])]
+    coupled = [name for name in (UPPER, LOWER) if case.bodies[name].couples_across]
     for name in coupled:
         yield (
             f"bodies.{name}.orientation: expected one in which z is normal to a plane of symmetry "
@@ -238,8 +231,9 @@ def dissimilarity(body1: AnyBody, body2: AnyBody, plane: Plane, normal: Array) -
     if known1 is None or known2 is None:
         both = (half_planes(body, plane, normal) for body in (body1, body2))
         return max(coupling(*each) for each in zip(*both, strict=True))
-    kappa1, kappa2 = (_kolosov(body.poisson, plane) for body in (known1, known2))
-    mu1, mu2 = known1.shear_modulus, known2.shear_modulus
+    first, second = Material.of(known1, plane), Material.of(known2, plane)
+    kappa1, kappa2 = first.kolosov, second.kolosov
+    mu1, mu2 = first.shear_modulus, second.shear_modulus
     difference = mu1 * (kappa2 - 1) - mu2 * (kappa1 - 1)
     return difference / (mu1 * (kappa2 + 1) + mu2 * (kappa1 + 1))
 
@@ -272,7 +266,3 @@ def cross_compliance(body1: AnyBody, body2: AnyBody, plane: Plane, normal: Array
         for each in sums
         for across in (1, 2)
     )
-
-
-def _kolosov(poisson: float, plane: Plane) -> float:
-    return 3 - 4 * poisson if plane == "strain" else (3 - poisson) / (1 + poisson)

@@ -15,7 +15,6 @@ from fretfe.case import (
     Support,
     case_notes,
     isotropic,
-    plane_modulus,
     unit_vector,
 )
 from fretfe.errors import ModelError
@@ -31,6 +30,7 @@ from fretfe.idealise.bodies import (
 )
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
+from fretfe.materials.moduli import plane_modulus
 from fretfe.mesh.templates import check_parameters, find_template
 from fretfe.surface.friction import coefficients
 

@@ -8,11 +8,12 @@ from typing import Annotated, Any, Literal, Self, get_args
 
 from pydantic import AfterValidator, Field, ValidationError, model_validator
 
-from fretfe.case import Body, Units, complaint, contact_modulus
+from fretfe.case import Body, Units, complaint
 from fretfe.case.base import NotNegative, Number, Positive, Table, Text
 from fretfe.case.messages import field_problems
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
+from fretfe.materials.moduli import contact_modulus
 
 Shape = Literal["cylinder", "flat_rounded", "wedge"]
 SHAPES: tuple[Shape, ...] = get_args(Shape)

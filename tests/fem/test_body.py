@@ -15,12 +15,12 @@ from scipy.spatial import cKDTree
 from fretfe._typing import Array
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.loads.spread import Rotation, SpreadLoad, Traction
-from fretfe.bodies.material import Material
 from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
+from fretfe.materials.material import Material
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.surface.surface import build_surface
 

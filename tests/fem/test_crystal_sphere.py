@@ -16,7 +16,8 @@ import pytest
 from cycled_sphere import RADIUS
 from cycled_sphere import tables as isotropic_tables
 
-from fretfe.case import contact_modulus, parse_case
+from fretfe.case import parse_case
+from fretfe.materials.moduli import contact_modulus
 from fretfe.results.model import Result
 
 pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]

@@ -14,17 +14,6 @@ from dolfinx import fem
 from pad_cases import pad
 
 from fretfe._typing import Array
-from fretfe.analytic.crystals import (
-    CrackTip,
-    HalfPlane,
-    bunge_rotation,
-    cubic,
-    plane_stress,
-    tensor,
-    turned,
-)
-from fretfe.analytic.crystals import isotropic as isotropic_stiffness
-from fretfe.bodies.material import Material
 from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
 from fretfe.case.bodies import Elastic, Orientation
 from fretfe.caution import Kind
@@ -35,6 +24,17 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import COMPONENTS, PLANE_TENSOR, ElasticBody
 from fretfe.fem.fields import StressPoints
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.materials.crystals import (
+    CrackTip,
+    HalfPlane,
+    bunge_rotation,
+    cubic,
+    plane_stress,
+    tensor,
+    turned,
+)
+from fretfe.materials.crystals import isotropic as isotropic_stiffness
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.report.figures.tractions import SLIP_SYSTEMS, slip_system_plot

@@ -13,12 +13,12 @@ from contact_runs import Run, run
 
 from fretfe._typing import Array
 from fretfe.bodies.loads.strain import Layer, StrainAtPoints, StrainBelow
-from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.surface import boundary_surface

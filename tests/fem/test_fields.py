@@ -17,12 +17,12 @@ from pad_cases import cylinder, pad, pad_text, press, shear
 
 from fretfe._typing import Array
 from fretfe.backends import RunOptions
-from fretfe.bodies.material import Material
 from fretfe.case import parse_case
 from fretfe.errors import OutputError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.run import solve
+from fretfe.materials.material import Material
 from fretfe.results.field_files import FIELDS, FieldReader, FieldWriter
 
 COARSE = cylinder(size=0.05)

@@ -15,8 +15,6 @@ from bonded import Fields, bonded
 from contact_runs import ramp
 
 from fretfe._typing import Array, Bools
-from fretfe.analytic.crystals import isotropic
-from fretfe.bodies.material import Material
 from fretfe.case import Solid, parse_case
 from fretfe.evaluate.space.fronts import AREAS, OUTSIDE
 from fretfe.fem._compat import MPI
@@ -24,6 +22,8 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, probe_stations
+from fretfe.materials.crystals import isotropic
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 

@@ -15,11 +15,11 @@ from scipy.spatial import cKDTree
 from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array
-from fretfe.analytic.crystals import bunge_rotation
 from fretfe.case import Solid, parse_case
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import ContactHistory
+from fretfe.materials.crystals import bunge_rotation
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result

@@ -17,11 +17,11 @@ from pad_cases import BASE, pad, press
 from tiny_meshes import TinyMesh
 
 from fretfe._typing import Array
-from fretfe.bodies.material import Material
 from fretfe.case import Solid, parse_case
 from fretfe.errors import CaseError, MeshError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.materials.material import Material
 from fretfe.mesh.elements import (
     KINDS,
     PLURALS,

@@ -18,8 +18,6 @@ from pad_cases import HOLD, TOP, pad, press, wave
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools
-from fretfe.analytic.crystals import HalfPlane, bunge_rotation, cubic, tensor, turned
-from fretfe.bodies.material import Material
 from fretfe.case import Body, Crystal, Solid, parse_case
 from fretfe.errors import CaseError, ModelError
 from fretfe.evaluate.plane.slip import slip_border
@@ -30,6 +28,8 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.run import solve
 from fretfe.local.half_planes import Contacts
 from fretfe.local.problem import EdgeHistories, solve_edges
+from fretfe.materials.crystals import HalfPlane, bunge_rotation, cubic, tensor, turned
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result

@@ -22,7 +22,6 @@ from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.definition import ModelDefinition, define_model
 from fretfe.bodies.loads.spread import Rotation
-from fretfe.bodies.material import Material
 from fretfe.case import Case, Solid, Symmetry
 from fretfe.contact.interface import Coordinate
 from fretfe.fem import model as fem_model
@@ -30,6 +29,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
+from fretfe.materials.material import Material
 from fretfe.mesh.elements import quadrature, shape_values
 from fretfe.mesh.load import extrude
 from fretfe.mesh.make import mesh_template

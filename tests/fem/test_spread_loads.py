@@ -14,12 +14,12 @@ from petsc_garbage import replace_meshes
 
 from fretfe._typing import Array
 from fretfe.bodies.loads.spread import Acceleration, Force, SpreadLoad, Traction
-from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import PointValues
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import Mesh
 

@@ -17,13 +17,13 @@ from told import Told
 import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
-from fretfe.bodies.material import Material
 from fretfe.case import changed, parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.fields import StressPoints
+from fretfe.materials.material import Material
 from fretfe.report.figures.tractions import slip_system_plot, stress_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import with_error

@@ -25,7 +25,6 @@ from fretfe.analytic.edges import tangential_factor
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.loads.cut import Cut
 from fretfe.bodies.loads.strain import Heating, Temperature, TemperatureShape
-from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import NodalValues, PointValues
 from fretfe.case import Solid, parse_case
 from fretfe.contact.march import March
@@ -35,6 +34,7 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.fields import StressPoints
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.fem.timing import Clock
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.results.model import Result

@@ -16,7 +16,6 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
-from fretfe.bodies.material import Material
 from fretfe.case import parse_case
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends
@@ -26,6 +25,7 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import idealise
+from fretfe.materials.material import Material
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
 

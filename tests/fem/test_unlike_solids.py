@@ -14,11 +14,11 @@ from scipy.special import gamma
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
-from fretfe.bodies.material import Material
 from fretfe.case import Solid
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
+from fretfe.materials.material import Material
 from fretfe.mesh.load import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 

@@ -20,9 +20,10 @@ from pad_cases import STEEL, pad
 from plots import whole_plots
 from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
 
-from fretfe.case import contact_modulus, parse_case
+from fretfe.case import parse_case
 from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues, edge_changes
+from fretfe.materials.moduli import contact_modulus
 from fretfe.report.page.html import (
     HEADERS,
     PLANE_TERMS,

@@ -12,7 +12,6 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.bodies.loads.cut import Cut
 from fretfe.bodies.loads.files import values_at_points
-from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import NodalValues, PointValues, require_points_around
 from fretfe.case import Case, unit_vector
 from fretfe.case.loads import (
@@ -23,6 +22,7 @@ from fretfe.case.loads import (
     TractionLoad,
 )
 from fretfe.errors import CaseError
+from fretfe.materials.material import Material
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.surface import boundary_surface
 

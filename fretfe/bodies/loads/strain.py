@@ -13,13 +13,13 @@ from fretfe._typing import Array
 from fretfe.bodies.loads.cut import Cut, read_temperatures
 from fretfe.bodies.loads.files import values_at_points
 from fretfe.bodies.loads.spread import SpreadLoad
-from fretfe.bodies.material import Material
 from fretfe.bodies.point_values import FLAT, NodalValues, PointValues, require_points_around
 from fretfe.case import Case, complaint
 from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.case.loads import STRAINS, EigenstrainLoad, TemperatureFieldLoad, TemperatureLoad
 from fretfe.errors import CaseError, MeshError
 from fretfe.loads import History
+from fretfe.materials.material import Material
 from fretfe.mesh.elements import CORNERS
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.surface import Surface, boundary_surface

@@ -12,7 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import oscillation
-from fretfe.case import AnyBody, half_plane, isotropic
+from fretfe.case import AnyBody, isotropic
 from fretfe.evaluate.contacts import (
     LARGEST_TURNING,
     Contact,
@@ -39,6 +39,7 @@ from fretfe.local.problem import (
     SlipProfile,
     solve_edges,
 )
+from fretfe.materials.moduli import half_plane
 
 # Loads that differ by less than this over their range are the same.
 SAME_LOADS = 1e-9
@@ -381,9 +382,7 @@ class _Edge:
     @property
     def smallest(self) -> float:
         """Length of the smallest slip zone that is expected."""
-        expected = float(np.ptp(self.k @ self.direction)) / (
-            self.station.friction * self.shape.k_n
-        )
+        expected = float(np.ptp(self.k @ self.direction)) / (self.station.friction * self.shape.k_n)
         lengths = (zone.prediction for zone in self.station.slip_zones)
         return min((each for each in lengths if each > 0), default=expected)
 

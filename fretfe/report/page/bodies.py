@@ -7,8 +7,9 @@ import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
-from fretfe.case import AnyBody, contact_modulus, isotropic
+from fretfe.case import AnyBody, isotropic
 from fretfe.case.bodies import Crystal
+from fretfe.materials.moduli import contact_modulus
 from fretfe.report.texts import MISSING, number, plain_table
 from fretfe.results.model import Result
 

@@ -8,9 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.analytic.crystals import isotropic as isotropic_stiffness
-from fretfe.analytic.crystals import plane_stress, tensor
-from fretfe.case import AnyBody, Plane, isotropic, stiffness
+from fretfe.case import AnyBody, Plane, isotropic
+from fretfe.materials.crystals import isotropic as isotropic_stiffness
+from fretfe.materials.crystals import plane_stress, tensor
+from fretfe.materials.moduli import stiffness
 
 # Stiffnesses below this part of the largest one are not listed.
 SHOWN = 1e-6
@@ -28,7 +29,7 @@ class Material:
         expansion: coefficient of thermal expansion, zero if no load needs it.
         reference_temperature: without thermal strain.
         crystal: (6, 6) stiffness of a crystal in the axes of the model, in Voigt's order as in
-            `analytic.crystals`, in plane stress that of strains in the plane; None if isotropic.
+            `materials.crystals`, in plane stress that of strains in the plane; None if isotropic.
     """
 
     young: float

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.analytic.crystals import (
+from fretfe.materials.crystals import (
     CrackTip,
     HalfPlane,
     around,
