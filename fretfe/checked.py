@@ -124,7 +124,7 @@ def propose(checked: Checked) -> Iterator[str]:
 
 def _taken(case: Case, key: str, size: float) -> str:
     """Unknowns and memory of a case with another element size, in words."""
-    data = case.model_dump(mode="json", exclude_unset=True)
+    data = case.as_tables()
     data.get("edges", {}).pop("tolerance", None)
     table, name = data["geometry"], key.removeprefix("geometry.")
     if name.startswith("parameters."):

@@ -12,7 +12,7 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
-from fretfe.errors import FretfeError
+from fretfe.errors import FretfeError, OutputError
 
 # Opening or reading these may wait for ever, never end, or do something.
 NO_FILES = (
@@ -236,6 +236,19 @@ def sync(descriptor: int) -> None:
     except OSError as error:
         if error.errno not in NO_SYNC:
             raise
+
+
+@contextlib.contextmanager
+def writing(path: Path, what: str) -> Iterator[None]:
+    """Say of what cannot be written where it is, what it is, and why.
+
+    Raises:
+        OutputError: if the system refuses it.
+    """
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(f"{path}: cannot write {what}: {disk_reason(error)}") from error
 
 
 def disk_reason(error: OSError) -> str:

@@ -411,6 +411,10 @@ class Case(Table):
             if body.couples_across:
                 yield "bodies", name, "orientation"
 
+    def as_tables(self) -> dict[str, Any]:
+        """The keys that are set, in plain types, as a case file has them."""
+        return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+
     def resolve(self, file: str) -> Path:
         """Path of a file that the case names."""
         return self._source.parent / file

@@ -56,7 +56,7 @@ def changed(case: Case, overrides: Mapping[str, Any]) -> Case:
     Raises:
         CaseError: as ``load_case``.
     """
-    data = _tables(case)
+    data = case.as_tables()
     if case.given is not None:
         data["bodies"] = case.given.bodies
     return parse_case(
@@ -123,7 +123,7 @@ def case_text(case: Case) -> str:
     place of materials and tables over temperature.
     """
     data = _with_full_paths(case)
-    if case.given is None and as_written(case) and data == _tables(case):
+    if case.given is None and as_written(case) and data == case.as_tables():
         return case.source.read_text("utf-8-sig")
     head = ("The case as run, written by fretfe.", *case.material_notes)
     return "".join(f"# {one_line(line)}\n" for line in head) + tomli_w.dumps(data)
@@ -132,18 +132,13 @@ def case_text(case: Case) -> str:
 def as_written(case: Case) -> bool:
     """True if the case is what its file says; false if it was not read from a file."""
     try:
-        return _tables(load_case(case.source)) == _tables(case)
+        return load_case(case.source).as_tables() == case.as_tables()
     except CaseError:
         return False
 
 
-def _tables(case: Case) -> dict[str, Any]:
-    """The keys that are set, as TOML has them."""
-    return case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
-
-
 def _with_full_paths(case: Case) -> dict[str, Any]:
-    data = _tables(case)
+    data = case.as_tables()
     for key, path in named_files(case).items():
         table: Any = data
         for part in key[:-1]:
@@ -154,7 +149,7 @@ def _with_full_paths(case: Case) -> dict[str, Any]:
 
 def named_files(case: Case) -> dict[Key, Path]:
     """Full paths of the files and folders that a case names, by key; not those of materials."""
-    data = _tables(case)
+    data = case.as_tables()
     tables: list[tuple[Key, Any]] = [(("geometry",), data["geometry"])]
     for name, load in data.get("loads", {}).items():
         tables.append((("loads", name), load))

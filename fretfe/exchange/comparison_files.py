@@ -13,10 +13,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fretfe.errors import OutputError
 from fretfe.exchange.comparison import K_N, K_T, ZONES, Comparison, QuantityPair
 from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
-from fretfe.files import disk_reason, json_value, replace_text
+from fretfe.files import json_value, replace_text, writing
 from fretfe.report.theme import (
     BLUE,
     GREY,
@@ -264,7 +263,7 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
     prepare_other(folder)
     text = json.dumps(comparison_numbers(comparison), indent=1, allow_nan=False) + "\n"
     files = [folder / COMPARISON]
-    try:
+    with writing(folder, "the comparison"):
         replace_text(files[0], text)
         for name, draw in FIGURES.items():
             path = folder / name
@@ -272,6 +271,4 @@ def write_comparison(comparison: Comparison, folder: Path) -> tuple[Path, ...]:
             path.unlink(missing_ok=True)
             if draw(comparison, path):
                 files.append(path)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot write the comparison: {disk_reason(error)}") from error
     return tuple(files)

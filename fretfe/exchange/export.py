@@ -15,10 +15,10 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Crystal, Units
-from fretfe.errors import CaseError, OutputError
+from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.evaluate.stress import StressParameters
-from fretfe.files import disk_reason, replacing
+from fretfe.files import replacing, writing
 from fretfe.history.solution import ContactHistory
 from fretfe.results import tables
 from fretfe.results.field_files import in_space
@@ -378,7 +378,7 @@ def export_result(
     """
     prepare_other(folder)
     exported = list(export_tables(result, fatemi_socie))
-    try:
+    with writing(folder, "the tables"):
         _remove_earlier(folder, [each.file for each in exported])
         named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in exported for h in t.headings)
         # First: what was cut off can be exported again.
@@ -388,8 +388,6 @@ def export_result(
             for each in exported
             for path in [folder / each.file]
         ]
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot write the tables: {disk_reason(error)}") from error
     return (*files, listing)
 
 

@@ -11,9 +11,9 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case.base import AXES
-from fretfe.errors import CaseError, MeshError, OutputError
+from fretfe.errors import CaseError, MeshError
 from fretfe.exchange.nodal_forces import NodalForces, nodal_forces
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import replace_text, writing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.mesh.inp_groups import DeckSurface, read_surface
 from fretfe.results.model import Result
@@ -147,11 +147,9 @@ def _state(solution: Solution, time: float | None) -> int:
 
 def _write(folder: Path, texts: Mapping[str, Iterable[str]]) -> tuple[Path, ...]:
     prepare_other(folder)
-    try:
+    with writing(folder, "the forces"):
         for name, lines in texts.items():
             replace_text(folder / name, "\n".join(lines) + "\n")
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot write the forces: {disk_reason(error)}") from error
     return tuple(folder / name for name in texts)
 
 

@@ -37,7 +37,7 @@ def finer_tables(result: Result, size: float | None) -> tuple[dict[str, Any], tu
         CaseError: if a mesh file is to have smaller elements.
     """
     case = result.case
-    tables = case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    tables = case.as_tables()
     tables.get("edges", {}).pop("local", None)
     key, now = size_key(case)
     if case.geometry.file is not None and file_kind(case.geometry.file) is CAD:

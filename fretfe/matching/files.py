@@ -16,8 +16,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe._typing import Array
-from fretfe.errors import CaseError, OutputError
-from fretfe.files import disk_reason, json_value, replace_text
+from fretfe.errors import CaseError
+from fretfe.files import json_value, replace_text, writing
 from fretfe.matching.agreement import Agreement, Reach
 from fretfe.matching.casefile import FIRST_LINE, case_file
 from fretfe.matching.choose import Choice, Choices, length_that_counts, pressure_of
@@ -135,7 +135,7 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
     texts = _corrected_cases(match, comparison) if comparison else _cases(match)
     prepare_other(folder)
     cases = tuple(folder / f"{name}.toml" for name in texts)
-    try:
+    with writing(folder, "the match"):
         _require_replaceable(cases)
         (folder / PICTURE).unlink(missing_ok=True)  # of another match
         for path, text in zip(cases, texts.values(), strict=True):
@@ -148,8 +148,6 @@ def write_match(match: Match, comparison: Comparison | None, folder: Path) -> tu
             draw_agreement(match, comparison, folder / PICTURE)
         elif match.target.profile is not None:
             draw_choices(match, folder / PICTURE)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot write the match: {disk_reason(error)}") from error
     return cases
 
 

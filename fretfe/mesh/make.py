@@ -16,7 +16,7 @@ import numpy as np
 
 from fretfe.environment import machine_memory
 from fretfe.errors import MeshError, OutputError
-from fretfe.files import cut_off, disk_reason, replacing, require_file
+from fretfe.files import cut_off, replacing, require_file, writing
 from fretfe.mesh.contained import MESHING, raw_mesh_of
 from fretfe.mesh.elements import FACET_SHAPES, NUMBERS
 from fretfe.mesh.gmsh import RawMesh, gmsh_model, raw_mesh, script_model
@@ -298,11 +298,9 @@ def write_mesh(mesh: Mesh, path: Path) -> None:
     """
     if path.suffix != ".msh":
         raise OutputError(f"{path}: expected a mesh file that ends in .msh, found {path.suffix!r}")
-    try:
+    with writing(path, "the mesh"):
         with replacing(path, path.suffix) as new:
             _write(mesh, new)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot write the mesh: {disk_reason(error)}") from error
 
 
 def _write(mesh: Mesh, new: Path) -> None:

@@ -167,7 +167,7 @@ def _few_elements(result: Result) -> bool:
 
 def resized(case: Case, factor: float) -> Case | None:
     """The same case with larger elements by a factor; None where it does not give their sizes."""
-    data = case.model_dump(mode="json", exclude_unset=True)
+    data = case.as_tables()
     if case.geometry.solid is not None:
         layers = max(1, round(case.geometry.solid.layers / factor))
         data["geometry"]["solid"]["layers"] = layers

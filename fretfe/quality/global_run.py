@@ -380,7 +380,7 @@ def second_cut(result: Result) -> Case | str:
             f"no room: the contact reaches {reach:.3g} from the middle of the part, the cuts are "
             f"at {radius:.3g}"
         )
-    data = case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+    data = case.as_tables()
     data["geometry"]["part"] = {"centre": centre.tolist(), "radius": NEARER * radius}
     for name, load in fields.items():
         data["loads"][name]["boundary"] = cut_name(owners[load.boundary])

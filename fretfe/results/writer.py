@@ -234,7 +234,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "versions": {**versions(), **result.versions},
             "ranks": result.ranks,
             "seconds": result.seconds,
-            "case": case.model_dump(mode="json", exclude_unset=True),
+            "case": case.as_tables(),
             "limits": [
                 {**asdict(limit), "consequence": limit.consequence, "exceeded": limit.exceeded}
                 for limit in result.limits

@@ -14,8 +14,7 @@ from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
-from fretfe.errors import OutputError
-from fretfe.files import disk_reason, json_value, replace_text
+from fretfe.files import json_value, replace_text, writing
 from fretfe.report.theme import (
     COLOURS,
     GREY,
@@ -183,12 +182,10 @@ def write_map(found: StrengthMap, folder: Path) -> tuple[Path, ...]:
         OutputError: if a file cannot be written.
     """
     prepare_other(folder)
-    try:
+    with writing(folder, "the map"):
         text = json.dumps(strength_numbers(found), indent=1, allow_nan=False)
         replace_text(folder / STRENGTH, text + "\n")
         write_strength(found, folder / PICTURE)
-    except OSError as error:
-        raise OutputError(f"{folder}: cannot write the map: {disk_reason(error)}") from error
     return folder / STRENGTH, folder / PICTURE
 
 

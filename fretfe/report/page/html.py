@@ -23,10 +23,10 @@ from markupsafe import Markup, escape
 from rich.table import Table
 
 from fretfe.caution import grouped
-from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.errors import CaseError, ModelError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.faults import Fault, guarded
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
 from fretfe.quality.rows import Row, own_rows
 from fretfe.report.figures import edges, history, solver, tractions
@@ -318,10 +318,8 @@ def write_report(directory: Path, plots: Plots | None = None) -> Path:
     """
     html = render(directory, plots)
     path = directory / REPORT
-    try:
+    with writing(path, "the report"):
         replace_text(path, html)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot write the report: {disk_reason(error)}") from error
     return path
 
 
@@ -369,9 +367,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         warnings=grouped(run.warnings),
         timings=timing_table(run.seconds),
         # The case as it was understood.
-        case_text=tomli_w.dumps(
-            run.case.model_dump(mode="json", exclude_unset=True, exclude_none=True)
-        ),
+        case_text=tomli_w.dumps(run.case.as_tables()),
         terms=glossary.terms,
     )
 

@@ -26,8 +26,7 @@ from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
-from fretfe.errors import OutputError
-from fretfe.files import disk_reason
+from fretfe.files import writing
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.mesh.elements import CORNERS, shape_values
 from fretfe.mesh.mesh import BodyMesh
@@ -103,10 +102,8 @@ def write_mesh_picture(path: Path, case: Case, bodies: Mapping[str, BodyMesh]) -
         OutputError: if it cannot be written.
     """
     figure = draw_mesh(case, bodies)
-    try:
+    with writing(path, "the picture"):
         save_figure(figure, path)
-    except OSError as error:
-        raise OutputError(f"{path}: cannot write the picture: {disk_reason(error)}") from error
 
 
 @mpl.rc_context(FRAMED)
