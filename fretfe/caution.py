@@ -266,12 +266,6 @@ class Kind(StrEnum):
         "half-planes leave out the shear by it, which falls with the size of the bodies; use the "
         "backend 'fem'",
     )
-    ASYMPTOTE = (
-        "asymptote",
-        "slip zones by the asymptote",
-        "a slip zone is no small part of the length over which the edge description holds",
-        "the asymptote may be wrong by more than 10 %, use the backend 'halfplane'",
-    )
     # Of an edge as the target of tests, by `fretfe match`.
     TARGET_UNSTEADY = (
         "target not steady",
