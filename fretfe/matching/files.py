@@ -192,7 +192,7 @@ def _title(match: Match, what: str) -> str:
 
 
 def match_numbers(match: Match, comparison: Comparison | None) -> dict[str, Any]:
-    """All numbers, as docs/results.md has them; NaN where unknown."""
+    """All numbers, as docs/match.md has them; NaN where unknown."""
     length = length_that_counts(match.target, match.rig)
     return {
         "schema": SCHEMA,

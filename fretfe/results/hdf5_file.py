@@ -7,8 +7,8 @@ that a disk is full: what does not fit stays in memory until the file is closed 
 All that is in a file has checksums, of which HDF5 looks at those of what it reads: the values as
 `store` and `room` write them, the rest by the version of the format.
 
-The stress of the bodies near their contacts is written state by state; docs/results.md has the
-schema.
+The stress of the bodies near their contacts is written state by state; docs/results-files.md has
+the schema.
 """
 
 from __future__ import annotations

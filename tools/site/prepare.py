@@ -36,17 +36,27 @@ SECTIONS = {
         "how-notebook",
         "how-report",
     ),
-    "Input": ("case-file", "materials", "templates", "geometry", "solids", "refinement", "mesh"),
-    "Output": ("report", "results", "exchange", "match", "strength", "local"),
+    "Input": (
+        "case-file",
+        "histories",
+        "materials",
+        "templates",
+        "geometry",
+        "solids",
+        "refinement",
+        "mesh",
+    ),
+    "Output": ("report", "results", "results-files", "exchange", "match", "strength", "local"),
     "Use": ("command-line", "python", "api/index", "edges", "backends"),
     "Trust": ("theory", "unlike", "applicability", "method", "validate", "verify", "security"),
-    "Behind it": ("architecture", "performance", "changes"),
+    "Behind it": ("contributing", "architecture", "performance", "changes"),
 }
 # Where links from the root lead in the site.
 ROOT_LINKS = {
     "demos": "gallery.md",
     "demos/README.md": "gallery.md",
     "CHANGELOG.md": "changes.md",
+    "CONTRIBUTING.md": "contributing.md",
 }
 
 
@@ -87,7 +97,8 @@ def write(folder: Path) -> None:
         (folder / page.name).write_text(site_page(page.read_text("utf-8")))
     shutil.copytree(DOCS / "images", folder / "images")
     shutil.copytree(ROOT / "demos", folder / "demos")
-    (folder / "changes.md").write_text(root_page("CHANGELOG.md"))
+    for name in ("CHANGELOG.md", "CONTRIBUTING.md"):
+        (folder / ROOT_LINKS[name]).write_text(root_page(name))
     for name in ("LICENSE", "LICENSE.GPL"):
         shutil.copy(ROOT / name, folder / name)
     api.write_pages(folder / "api")
