@@ -10,8 +10,28 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 DOCS = ROOT / "docs"
-PAGES = [ROOT / "README.md", ROOT / "CHANGELOG.md", *sorted(DOCS.glob("*.md"))]
+DOCUMENTS = sorted(DOCS.glob("*.md"))
+PAGES = [*(ROOT / f"{name}.md" for name in ("README", "CONTRIBUTING", "CHANGELOG")), *DOCUMENTS]
+MADE_BY_CODE = re.compile(r"<!-- (?:parameters of|measured) .*?<!-- end -->", re.DOTALL)
+# What is no sentence: code, formulas, headings, tables, pictures and lines of commands.
+NO_PROSE = re.compile(
+    r"```.*?```|\$\$.*?\$\$|^ *#.*?$|^ *\|.*?$|^ *!\[.*?$|^\n(?: {4,}[^\n]*\n)+$",
+    re.DOTALL | re.MULTILINE,
+)
+# Blank lines and items of lists part what full stops do not.
+PARTS = re.compile(r"\n\s*\n|\n\s*(?:[*-]|\d+\.) |(?<=[.?!])\**\s+(?=\W*[A-ZΔΣ])")
 LINK = re.compile(r"\]\(([^()\s]+)\)")
+
+
+def words(text: str) -> int:
+    """What has a letter or a digit: borders of tables, dashes and signs are none."""
+    return sum(re.search(r"\w", each) is not None for each in text.split())
+
+
+def sentence_lengths(page: Path) -> list[int]:
+    """Words of the sentences of a page, without tables, code and what code has made."""
+    text = NO_PROSE.sub("\n\n", MADE_BY_CODE.sub("", page.read_text("utf-8")))
+    return [count for each in PARTS.split(text) if (count := words(each))]
 
 
 def anchors(page: Path) -> set[str]:
@@ -46,3 +66,22 @@ def test_every_page_is_in_a_section_of_the_site() -> None:
 def test_words_of_the_glossary_are_linked() -> None:
     linked = [page for page in PAGES if "glossary.md" in page.read_text("utf-8")]
     assert len(linked) >= 8
+
+
+def test_the_pages_are_short() -> None:
+    counted = {page.name: words(page.read_text("utf-8")) for page in DOCUMENTS}
+    assert sum(counted.values()) <= 55_000
+    assert max(counted.values()) <= 4_000, counted
+
+
+def test_sentences_are_short() -> None:
+    lengths = sorted(length for page in DOCUMENTS for length in sentence_lengths(page))
+    assert lengths[9 * len(lengths) // 10] <= 30
+
+
+@pytest.mark.parametrize("page", [*DOCUMENTS, ROOT / "CONTRIBUTING.md"], ids=lambda page: page.name)
+def test_a_page_begins_with_what_a_reader_can_do_after_it(page: Path) -> None:
+    title, _, rest = page.read_text("utf-8").partition("\n\n")
+    assert re.fullmatch(r"# [^\n]+", title)
+    first = rest.partition("\n\n")[0]
+    assert first.startswith("After this page you ") and len(PARTS.split(first)) == 1
