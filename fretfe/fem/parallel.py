@@ -188,7 +188,7 @@ def agreed(comm: MPI.Comm, work: Callable[[], T]) -> T:
 
 
 def _for_others(rank: int, error: Exception) -> FretfeError | RankError:
-    """What other ranks raise for an error of this one."""
+    """Return the error that other ranks raise for one of this rank."""
     if isinstance(error, FretfeError):
         return error
     if shortage := memory_shortage(error):
@@ -199,7 +199,7 @@ def _for_others(rank: int, error: Exception) -> FretfeError | RankError:
 
 
 def _end_of_all(error: Exception) -> FretfeError:
-    """What all ranks raise for an error of fretfe on rank 0, whose traceback is kept."""
+    """Return the error that all ranks raise for one of fretfe on rank 0; its traceback is kept."""
     if shortage := memory_shortage(error):
         return MemoryShortError(shortage)
     fault = note_fault("run", said(error), trace_of(error))

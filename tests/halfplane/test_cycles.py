@@ -15,8 +15,9 @@ from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge
 from fretfe.evaluate.contacts import Contact
-from fretfe.evaluate.verdicts import AGREES, judge
+from fretfe.evaluate.verdicts import judge
 from fretfe.halfplane import solve_half_planes
+from fretfe.verdict import Verdict
 
 SIDES: tuple[Side, Side] = ("left", "right")
 STEPS = 60
@@ -136,7 +137,7 @@ def assert_still(summary: Contact) -> None:
         zone = edge.slip_zones[-1]
         assert (zone.length, zone.prediction, zone.resolved) == (0.0, 0.0, True)
         assert 0 < zone.spread < 0.01
-        assert judge(edge, zone).word == AGREES
+        assert judge(edge, zone).verdict is Verdict.AGREES
 
 
 @pytest.mark.parametrize("friction_while_pressing", [True, False])

@@ -561,7 +561,8 @@ def _work_spread(solution: Solution, contact: ContactHistory) -> Array:
         begin, end = first + part.start, first + part.stop
         slip = np.linalg.norm(slip_in_steps(contact, begin, end, least), axis=2)
         pressure = np.maximum(contact.mean_traction[begin : end + 1, :, 0], 0.0)
-        changes = contact.friction[begin + 1 : end + 1, None] * np.abs(np.diff(pressure, axis=0))
+        friction = contact.friction.at(slice(begin + 1, end + 1))
+        changes = friction * np.abs(np.diff(pressure, axis=0))
         spread += (changes * slip).sum(axis=0) * contact.surface.weights / 2
         closed = np.asarray(contact.status[begin + 1 : end + 1]) != OPEN
         works = np.asarray(contact.dissipation[begin + 1 : end + 1])

@@ -560,7 +560,7 @@ def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> 
 
 
 def _no_zones(stations: Sequence[Station]) -> str:
-    """What there is in place of slip zones: none, or nothing that is known of them."""
+    """Words in place of slip zones: there are none, or nothing is known of them."""
     unknown = not stations or any(each.lack.whole for each in stations)
     return "slip zones unknown" if unknown else "no slip zones"
 

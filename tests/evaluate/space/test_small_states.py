@@ -10,6 +10,7 @@ import pytest
 from test_fronts_in_space import SIZE, STATIONS, grid, hertz, solved
 
 from fretfe._typing import Array
+from fretfe.caution import Kind
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.space.fronts import BY_OUTLINE, OUTSIDE, FrontTrack, follow_fronts
 from fretfe.evaluate.withheld import Lack
@@ -63,5 +64,5 @@ def test_numbers_are_those_of_the_largest_contact_and_say_so(
     assert contact.lack.kind in (Lack.NO_CURVE, Lack.SHORT_BORDER)
     assert {(station.first, station.last) for station in contact.stations} == {(1, 2)}
     assert np.all(np.abs(known[:, 0] - np.sqrt(2)) < known[:, 1])
-    (text,) = (each for each in contact.warnings if each.startswith("no front of the contact"))
-    assert "K_N is that of state 2, in which the contact is largest" in text
+    (found,) = (each for each in contact.warnings if each.kind is Kind.NO_FRONTS)
+    assert "K_N is that of state 2, in which the contact is largest" in found.text
