@@ -141,6 +141,9 @@ def slip_zones(
     last = last_state(cycle, station)
     if begin >= last or not friction[last] > 0 or not known[begin : last + 1].all():
         return ()
+    fresh, gripped = begin == first, 0.0
+    if not unlike:
+        begin, gripped = _gripped(begin, last, cycle, float(friction.max()), station)
     zones = []
     halves: Sequence[tuple[int, int]] = [(max(last - 1, begin), last)]
     if not pressed:
@@ -153,8 +156,11 @@ def slip_zones(
             cyclic = 0.0
         elif worst and not len(cycle):
             cyclic = worst.predicted
-        elif start == first and not pressed and math.isfinite(station.k_n[end]):
-            rise = abs(station.k_t[end] - station.k_t[first])
+        elif fresh and start == begin and not pressed and math.isfinite(station.k_n[end]):
+            rise = float(station.k_t[end] - station.k_t[begin])
+            # What is locked in already leaves less of f p on that side, and more on the other.
+            left = 1 - math.copysign(gripped, gripped * rise)
+            rise = rise / left if left > 0 else math.nan
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
@@ -176,6 +182,31 @@ def slip_zones(
         )
         zones.append(_doubted(zone, border.spread))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
+
+
+def _gripped(
+    begin: int, last: int, cycle: States, friction: float, station: StationHistory
+) -> tuple[int, float]:
+    """State until which an edge sticks from `begin` on, and dK_T/(f dK_I) of the pressing then.
+
+    As long as P moves an edge between similar bodies outward faster than it is sheared nothing
+    slips, and the shear that is locked in behind it is that part of f p. Slip counts from there on.
+
+    Args:
+        begin: state from which on friction acts.
+        last: state until which it does.
+        cycle: states of the evaluated cycle, which begins no earlier than what is returned.
+        friction: coefficient.
+        station: its factors.
+    """
+    end = min(last, int(cycle[0])) if len(cycle) else last
+    presses = friction * np.diff(station.k_i[begin : end + 1])
+    shears = np.diff(station.k_t[begin : end + 1])
+    tolerance = UNDRIVEN * max(np.abs(presses).max(initial=0.0), np.abs(shears).max(initial=0.0))
+    slips = np.flatnonzero(np.abs(shears) > presses + tolerance)
+    count = int(slips[0]) if len(slips) else 0
+    moves = np.flatnonzero(presses[:count] > tolerance)
+    return begin + count, float(shears[moves[-1]] / presses[moves[-1]]) if len(moves) else 0.0
 
 
 def _told(border: SlipBorder, spread: float) -> bool:

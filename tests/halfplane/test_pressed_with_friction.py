@@ -1,0 +1,41 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Hertz pressed with friction from the first load on, then sheared there and back, without a cycle.
+
+While Q grows with P by less than f an edge sticks (Jäger 1998): afterwards the traction is
+f (p - p_c) + s p_c, with s = dQ/dP of the pressing, so that Q = f (P - P_c) + s P_c and
+d = a - a_c. After a reversal by dQ P_c = P - dQ/(2 f) as long as that is within what has slipped
+before; beyond, as if Q had gone there at once.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from halfplane_problems import LIMIT, LOAD, PRESS_STEPS, problem, solved
+
+# Q over f P: to this, and back to minus 0.433.
+TOP = 0.5
+THERE, BACK = (0.25, 0.433, TOP), (0.25, 0.0, -0.25, -0.433)
+
+
+@pytest.mark.parametrize("share", [0.0, 0.3, -0.2])
+@pytest.mark.parametrize("mirror", [1, -1])
+def test_each_half_cycle_counts_from_where_the_edge_slips(share: float, mirror: int) -> None:
+    path = [share, *(each for each in THERE if each > share), *BACK]
+    shear = mirror * LIMIT * np.array(path)
+    contact = solved(problem(np.full_like(shear, LOAD), shear, frictional_press=True))
+    top = PRESS_STEPS + 1 + path.index(TOP)
+    last = PRESS_STEPS + len(path)
+    # d with P_c, and to first order: 2 K_T/(f K_N) of what slips, over what is left of f p.
+    stuck, within = (1 - TOP) / (1 - share), 1 - (TOP - BACK[-1]) / 2
+    beyond = (1 + BACK[-1]) / (1 + share)
+    exact = 1 - np.sqrt([stuck, within if within > stuck else beyond])
+    first_order = (TOP - share) / (1 - share) / 2
+    for station in contact.stations:
+        there, back = station.slip_zones
+        assert (there.end, back.start, back.end) == (top, top, last)
+        assert there.start in (PRESS_STEPS, PRESS_STEPS + 1)
+        assert there.length == pytest.approx(exact[0], abs=there.spread + 0.004)
+        assert back.length == pytest.approx(exact[1], abs=back.spread + 0.004)
+        assert there.predicted == pytest.approx(first_order, rel=0.01)
+        assert np.isnan(back.predicted)
