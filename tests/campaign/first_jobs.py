@@ -51,6 +51,11 @@ class Job:
         printer.text(repr(self))
 
     @property
+    def template(self) -> str:
+        """Of the geometry."""
+        return str(self.tables["geometry"]["template"])
+
+    @property
     def friction(self) -> float:
         """Coefficient."""
         return float(self.tables["contacts"]["main"]["friction"])
@@ -298,27 +303,39 @@ def geometry(profile: str, per_half_width: int, e_star: float) -> tuple[Tables, 
 WIDE = ("width", "height")
 
 
-def cylinder_factors(job: Job) -> tuple[float, float] | None:
-    """K_N at the end of the evaluated cycle and the largest range of K_T of both edges over it.
+def exact_factors(job: Job) -> tuple[float, float] | None:
+    """K_N at the end of the evaluated cycle and the range of K over it; None if not so simple.
 
-    Hertz, K_N = E* sqrt(2a)/(2R); increments of full stick, dK_T = dQ/(pi sqrt(2a)) and those of
-    the tension, ±dsigma sqrt(a/2)/4 (theory guide). Equal bodies with friction in the cycle only.
+    Equal bodies with friction in the cycle only.
     """
     bodies = job.tables["bodies"]
-    if job.tables["geometry"]["template"] != "cylinder":
-        return None
     if job.cycle is None or bodies["upper"] != bodies["lower"] or job.unsolvable:
         return None
     if job.friction == 0:
         return None
-    e_star = modulus((bodies["upper"]["young"],) * 2, job.tables["model"]["plane"])
     inside = (job.shares[:, 0] >= job.cycle[0] - 1e-9) & (job.shares[:, 0] <= job.cycle[1] + 1e-9)
-    normal, shear, tension = job.shares[inside, 1:].T
-    bound = min(job.friction, 2.0)
     # Straight lines between are divided so that the half-width hardly changes in each of them.
-    fine = np.linspace(0.0, len(normal) - 1.0, 40 * (len(normal) - 1) + 1)
-    at = np.arange(len(normal))
-    normal, shear, tension = (np.interp(fine, at, each) for each in (normal, shear, tension))
+    shares = job.shares[inside, 1:]
+    fine = np.linspace(0.0, len(shares) - 1.0, 40 * (len(shares) - 1) + 1)
+    normal, shear, tension = (np.interp(fine, np.arange(len(shares)), each) for each in shares.T)
+    if job.template == "cylinder":
+        return _of_cylinder(job, normal, shear, tension)
+    if job.template == "sphere" and "across" not in job.tables["loads"]:
+        return _of_sphere(job, normal, shear)
+    return None
+
+
+def _of_cylinder(
+    job: Job, normal: np.ndarray, shear: np.ndarray, tension: np.ndarray
+) -> tuple[float, float]:
+    """Of the edge with the larger range of K_T.
+
+    Hertz, K_N = E* sqrt(2a)/(2R); increments of full stick, dK_T = dQ/(pi sqrt(2a)) and those of
+    the tension, ±dsigma sqrt(a/2)/4 (theory guide).
+    """
+    young = job.tables["bodies"]["upper"]["young"]
+    e_star = modulus((young, young), job.tables["model"]["plane"])
+    bound = min(job.friction, 2.0)
     a = HALF_WIDTH * np.sqrt((normal[1:] + normal[:-1]) / 2)
     by_shear = np.diff(shear) * bound * job.peak / (math.pi * np.sqrt(2 * a))
     sigma = tension * bound * job.peak / (2 * HALF_WIDTH)
@@ -333,13 +350,24 @@ def cylinder_factors(job: Job) -> tuple[float, float] | None:
     return e_star * math.sqrt(2 * last) / (2 * RADIUS), float(max(ranges))
 
 
-def cyclic_slip(job: Job) -> float | None:
-    """Slip zone of a cylinder whose Q alone repeats itself, a (1 - sqrt(1 - range/(2 f P))).
+def _of_sphere(job: Job, normal: np.ndarray, shear: np.ndarray) -> tuple[float, float]:
+    """All around: K_N = 3P/(2 pi a^2) sqrt(2/a) and, bonded, d|K| = dQ/(2 pi a sqrt(2a))."""
+    bound = min(job.friction, 2.0) * job.peak
+    a = HALF_WIDTH * np.cbrt((normal[1:] + normal[:-1]) / 2)
+    steps = np.diff(shear) * bound / (2 * math.pi * a * np.sqrt(2 * a))
+    last = HALF_WIDTH * np.cbrt(normal[-1])
+    k_n = 3 * normal[-1] * job.peak / (2 * math.pi * last**2) * math.sqrt(2 / last)
+    return float(k_n), float(np.ptp(np.append(0.0, np.cumsum(steps))))
 
-    Each half cycle of the second of two equal cycles has the full range (theory guide, Cattaneo).
-    None where it is not known so simply.
+
+def cyclic_slip(job: Job) -> float | None:
+    """Slip zone of a cylinder or sphere whose Q alone repeats itself.
+
+    Each half cycle of the second of two equal cycles has the full range: a (1 - (1 - range/(2 f
+    P))^n), n = 1/2 by Cattaneo for a cylinder, 1/3 by Mindlin for a sphere (theory guide). None
+    where it is not known so simply.
     """
-    if job.cycle is None or cylinder_factors(job) is None:
+    if job.cycle is None or exact_factors(job) is None:
         return None
     start, end = job.cycle
     before = start - (end - start)
@@ -357,7 +385,8 @@ def cyclic_slip(job: Job) -> float | None:
         return None
     bound = min(job.friction, 2.0)
     share = np.ptp(now) * bound / (2 * job.friction * normal[whole][0])
-    return float(HALF_WIDTH * math.sqrt(normal[whole][0]) * (1 - math.sqrt(1 - share)))
+    exponent = 1 / 3 if job.template == "sphere" else 1 / 2
+    return float(HALF_WIDTH * normal[whole][0] ** exponent * (1 - (1 - share) ** exponent))
 
 
 # What may drive a blade: the table of the load, and its size at a share of 1.
@@ -368,7 +397,8 @@ DRIVEN: dict[str, tuple[Tables, float]] = {
     "speed": ({"type": "rotation", "centre": [0.0, -250.0]}, 3400.0),
 }
 COARSE = {"edge_size": 0.05, "edge_zone": 0.2, "flank_size": 0.5, "growth": 0.4}
-FRONT_SIZE = 0.25
+# Of spheres: one that has no stations, and the coarsest that has all of them.
+FRONT_SIZE, KNOWN_SIZE = 0.25, 0.125
 
 
 @st.composite
@@ -416,21 +446,26 @@ def blades(draw: st.DrawFn) -> Job:
 
 
 @st.composite
-def spheres(draw: st.DrawFn) -> Job:
-    """A coarse sphere on a block under P and Q, which may turn."""
-    radius, reach = 50.0, 1.0
+def spheres(draw: st.DrawFn, known: bool = False) -> Job:
+    """A sphere on a block: a coarse one under P and Q, which may turn, or one that is `known`.
+
+    That has stations, bodies that are next to half-spaces, and P that stays while Q varies twice.
+    """
+    radius, reach, wide = 50.0, HALF_WIDTH, 20.0 if known else 8.0
     peak = 4 * modulus((210e3, 210e3), "strain") * reach**3 / (3 * radius)
-    friction = draw(st.sampled_from([0.4, 0.9, 1e6, 0.0]))
-    count = draw(st.integers(1, 2))
+    friction = draw(st.sampled_from([0.4, 0.9] if known else [0.4, 0.9, 1e6, 0.0]))
+    count = 1 if known else draw(st.integers(1, 2))
     blocks = [draw(st.lists(BLOCKS, min_size=count, max_size=count)) for _ in "pqr"]
-    press, p = history(blocks[0], -peak, (0.5, 1.0), 0.75)
+    if known:
+        count, blocks = 2, [[("hold",)] * 2, 2 * blocks[1]]
+    press, p = history(blocks[0], -peak, (0.5, 1.0), 1.0 if known else 0.75)
     bound = min(friction, 2.0) * peak
-    shear, q = history(blocks[1], bound, (-0.3, 0.3), 0.0)
+    shear, q = history(blocks[1], bound, (-0.6, 0.6) if known else (-0.3, 0.3), 0.0)
     loads: Tables = {
         "press": {**TOP, "direction": "y", "history": press},
         "shear": {**TOP, "direction": "x", "history": shear},
     }
-    if draw(st.booleans()):
+    if not known and draw(st.booleans()):
         across, _ = history(blocks[2], bound, (-0.15, 0.15), 0.0)
         loads["across"] = {**TOP, "direction": "z", "history": across}
     tables: Tables = {
@@ -439,8 +474,8 @@ def spheres(draw: st.DrawFn) -> Job:
             "parameters": {
                 "radius_x": radius,
                 "contact_x": reach,
-                "size": FRONT_SIZE,
-                **{f"{body}_{side}": 8.0 for body in ("upper", "lower") for side in WIDE},
+                "size": KNOWN_SIZE if known else FRONT_SIZE,
+                **{f"{body}_{side}": wide for body in ("upper", "lower") for side in WIDE},
             },
         },
         "bodies": {name: {"young": 210e3, "poisson": POISSON} for name in ("upper", "lower")},

@@ -17,7 +17,7 @@ from campaign.first_jobs import (
     Job,
     Tables,
     cyclic_slip,
-    cylinder_factors,
+    exact_factors,
 )
 from hypothesis import event
 from rich.console import Console
@@ -37,6 +37,8 @@ from fretfe.runner import Runner, draw_report
 FINITE = 0.006
 PRESSED = 0.06 / BODY + 0.2 * HALF_WIDTH / RADIUS
 BORDER = 0.004
+# The slip zone of a sphere at nu = .3 is no circle (as in the campaign of solids).
+COUPLED = 0.017
 
 
 class Steps(Observer):
@@ -123,26 +125,30 @@ def _numbers(result: Result, contact: str, station: Station) -> Iterator[tuple[s
 
 
 def _faults_of_numbers(result: Result, job: Job) -> Iterator[str]:
-    factors, slip = cylinder_factors(job), cyclic_slip(job)
+    factors, slip = exact_factors(job), cyclic_slip(job)
     if factors is None:
         return
     (contact,) = result.contacts
-    k_n, k_t_range = factors
+    sphere = job.template == "sphere"
+    k_n, k_range = factors
     scale = job.peak / math.pi
     for each in contact.stations:
         value, bar = each.last_k_n
         yield from _off(each.front, "K_N", value, bar, k_n, FINITE * k_n)
-    largest = max(contact.stations, key=lambda each: each.k_range)
+    # Edges have ranges of their own, stations of a sphere the same.
+    largest = max(contact.stations, key=lambda each: each.k_range, default=None)
     pressed = job.tables["contacts"]["main"]["friction_from"] if _late(job) else math.inf
-    if pressed <= (job.cycle or (0.0,))[0]:
-        bar = largest.k_range_spread
-        allowed = FINITE * k_t_range + PRESSED * largest.k_i_range + 1e-9 * scale
-        yield from _off(largest.front, "ΔK_T", largest.k_range, bar, k_t_range, allowed)
+    if largest is not None and pressed <= (job.cycle or (0.0,))[0]:
+        for each in contact.stations if sphere else (largest,):
+            bar = each.k_range_spread
+            allowed = FINITE * k_range + PRESSED * each.k_i_range + 1e-9 * scale
+            yield from _off(each.front, "ΔK", each.k_range, bar, k_range, allowed)
     if slip is not None and contact.steady and result.loads.cycle is not None:
+        allowed = BORDER + COUPLED if sphere else BORDER
         for each in contact.stations:
             for zone in each.slip_zones[-2:]:
                 if zone.resolved:
-                    yield from _off(each.front, "d", zone.length, zone.spread, slip, BORDER)
+                    yield from _off(each.front, "d", zone.length, zone.spread, slip, allowed)
 
 
 def differences(job: Job) -> Iterator[str]:

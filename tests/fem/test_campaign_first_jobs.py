@@ -61,3 +61,13 @@ def test_blade(job: Job) -> None:
 def test_sphere(job: Job) -> None:
     note(f"FRETFE_CAMPAIGN_SEED={SEED}")
     assert list(faults(job, "fem", report=True)) == []
+
+
+@pytest.mark.timeout(7200 if LONG else 600)
+@pytest.mark.slow
+@seed(SEED)
+@settings(DRAWN, max_examples=12 if LONG else 2)
+@given(spheres(known=True))
+def test_sphere_beside_hertz_and_mindlin(job: Job) -> None:
+    note(f"FRETFE_CAMPAIGN_SEED={SEED}")
+    assert list(faults(job, "fem")) == []
