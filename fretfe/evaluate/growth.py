@@ -30,6 +30,8 @@ LEVELS, TIP = 800, 0.02
 # the edge to first order only, counts besides; and the most of both.
 LOOSE = 0.005
 MOST_LOOSE = 0.1
+# Part of the drive that is round-off.
+ROUND_OFF = 1e-12
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
 PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
@@ -149,6 +151,8 @@ def zone_growth(
     radius = np.linspace(0.0, largest, LEVELS + 1)
     counted = outer[states] & (states > start)
     depth, rates = radius[:-1] + largest / LEVELS / 2, _rates(k_t, retreat, radius, counted)
+    # A steady cycle comes back to its extreme but for round-off, which moves no border.
+    rates = np.where(rates > ROUND_OFF * rates.sum(), rates, 0.0)
     drive, moved = float(rates.sum()), float(np.ptp(retreat[half_cycle]))
     loose = min(LOOSE + moved / drive, MOST_LOOSE) if drive > 0 else 0.0
     return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]), loose)

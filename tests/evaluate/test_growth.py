@@ -80,6 +80,21 @@ def test_a_loop_that_closes_to_round_off_may_stay_closed() -> None:
     assert lengths == pytest.approx([2.0, 1.0], abs=0.02)
 
 
+def test_a_cycle_that_closes_but_for_round_off_leaves_its_zone_alone() -> None:
+    """P and Q rise and fall together; the first loading reached deeper than the steady cycle."""
+    k_t, k_i = np.array([0.0, 1.0, -1.0, 1.0, -1.0]), np.array([0.0, 1.0, -1.0, 1.0, -1.0]) / 2
+    one = np.ones(len(k_t))
+    found = []
+    for missed in (0.0, 1e-15, -1e-15):
+        shear = k_t - np.array([0.0, 0.0, 0.0, 0.0, missed])
+        station = StationHistory("left", 0, one, one, one, one, shear, 0 * one, k_i)
+        zone = zone_growth(station, one, 3, 4, np.ones(len(k_t), dtype=bool))
+        assert zone is not None
+        found.append(zone.length)
+    # Forward minus backward: 2 - 1, by (11) of the theory from the edge at low P.
+    assert found == pytest.approx([1.0] * 3, abs=0.01)
+
+
 def zone_of_small_loop(top: float) -> Growth:
     """Growth from the lower end of a loop from 0 to 1 within one from -1, up to its other end."""
     shear = np.array([0.0, -1.0, 1.0, 0.0, top])
