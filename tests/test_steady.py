@@ -47,9 +47,9 @@ def test_a_change_that_does_not_fall_is_told(before: list[float]) -> None:
 
 def test_one_cycle_tells_nothing_and_a_steady_one_needs_none() -> None:
     assert unsteady_text([0.3]).endswith(
-        "add a cycle: after two it is told about how many there have to be"
+        "add a cycle: the changes over two say about how many it takes"
     )
-    assert "; add a cycle before the one in [cycle]: after two" in unsteady_text([0.3], given=True)
+    assert "; add a cycle before the one in [cycle]: the changes" in unsteady_text([0.3], given=True)
     assert unsteady_text([0.9 * STEADY_CHANGE, 0.3]) == unsteady_text([math.nan]) == ""
 
 

@@ -194,6 +194,8 @@ def _print_numbers(console: Console, result: Result) -> None:
 
 
 def _step_text(solution: Solution) -> str:
+    if len(solution.iterations) < 2:  # the unloaded state alone
+        return ""
     return (
         f", {solution.iterations[1:].mean():.1f} iterations a step, largest violation of a contact "
         f"condition {solution.certificates['worst'].max():.1e}"

@@ -363,7 +363,7 @@ def unsteady_text(changes: Sequence[float], given: bool = False) -> str:
         return ""
     found = f"not in steady state: the shear changes by {now:.2g} f p_max over the evaluated cycle"
     if not before:
-        return f"{found}; add a cycle{where}: after two it is told about how many there have to be"
+        return f"{found}; add a cycle{where}: the changes over two say about how many it takes"
     # The slower fall of the last two: the first one, out of the unloaded state, is the fastest.
     factor = max(
         late / early if early > 0 else math.inf for late, early in itertools.pairwise(changes)

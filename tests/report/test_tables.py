@@ -71,6 +71,15 @@ def large(contact: Contact) -> Contact:
     )  # fmt: skip
 
 
+@pytest.mark.parametrize(("part", "shown"), [(1e-13, "0 … 0"), (1e-9, "1e-7 … 1e-7")])
+def test_shear_that_is_round_off_of_p_is_none(part: float, shown: str) -> None:
+    run = solved("halfplane")
+    normal = np.full_like(run.contacts[0].normal_force, 100.0)
+    contact = replace(run.contacts[0], normal_force=normal, shear_force=part * normal)
+    table = contact_table(replace(run, contacts=(contact,)))
+    assert list(table.columns[2].cells) == [shown]
+
+
 def test_contacts_of_solids_fit(sphere: Result, capsys: pytest.CaptureFixture[str]) -> None:
     for contacts in (sphere.contacts, tuple(map(large, sphere.contacts))):
         table = contact_table(replace(sphere, contacts=contacts))

@@ -38,6 +38,8 @@ HEADERS = (
     *("contact", "edge", "cycles", "from t", "to t"),
     *("ΔK_T", "mean K_T", "count", "d predicted"),
 )
+# Part of P below which a shear force is round-off.
+ROUND_OFF = 1e-12
 # An edge that moves by less than this part of a slip zone is in the same place.
 SAME_PLACE = 0.01
 # Slip zones of an edge that are shown: those of the last loading and unloading.
@@ -154,9 +156,11 @@ def contact_table(run: Result) -> Table:
 
 
 def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
+    normal, shear = contact.normal_force[cycle], contact.shear_force[cycle]
+    none = np.abs(shear) < ROUND_OFF * np.abs(normal).max(initial=0.0)
     return (
-        _range(contact.normal_force[cycle] / scale),
-        _range(contact.shear_force[cycle] / scale),
+        _range(normal / scale),
+        _range(np.where(none, 0.0, shear) / scale),
         number(contact.half_width[last]),
         _steady(contact),
         number(contact.cycle_change),
