@@ -269,7 +269,8 @@ def _zone_lines(axes: Axes, shown: Shown, near: _Near) -> None:
     zone = next((each for each in near.edge.slip_zones if each.end == near.later), None)
     if zone is None:
         return
-    lengths = ((zone.length, "-", "d found"), (zone.prediction, "--", "d predicted"))
+    predicted = near.edge.told_prediction(zone)
+    lengths = ((zone.length, "-", "d found"), (predicted, "--", "d predicted"))
     for length, style, label in lengths:
         if np.isfinite(length) and length > 0:
             axes.axvline(length, color="black", lw=0.9, ls=style, label=label)
@@ -514,12 +515,13 @@ def station_plot(shown: Shown, front: Front, station: Station) -> Plot | None:
         figure.align_ylabels()
 
     before = "".join(
-        f" In the half cycle before it is {_by_plane_problem(each, units)}."
+        f" In the half cycle before it is {_by_plane_problem(station, each, units)}."
         for each in station.slip_zones[-2:-1]
     )
+    length = _by_plane_problem(station, zone, units)
     caption = (
         f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone of "
-        f"this half cycle is {_by_plane_problem(zone, units)}.{before} An element across the front "
+        f"this half cycle is {length}.{before} An element across the front "
         f"is {number(station.size, 2)} {units.length}."
     )
     title = f"Station {shown.summary.name_of(station)}"
@@ -527,12 +529,13 @@ def station_plot(shown: Shown, front: Front, station: Station) -> Plot | None:
     return make_plot(key, title, caption, DOUBLE, draw)
 
 
-def _by_plane_problem(zone: SlipZone, units: Units) -> str:
+def _by_plane_problem(station: Station, zone: SlipZone, units: Units) -> str:
     """The length of a slip zone by the plane problem and by the formula, in words."""
     told = with_error(zone.reported_local, zone.local_spread)
     length = f"{told} {units.length}" if told != MISSING else "known to no better than half of it"
-    predicted = f"{number(zone.prediction, 3)} {units.length} by the formula"
-    return f"{length} by the plane problem, {predicted}"
+    predicted = number(station.told_prediction(zone), 3)
+    formula = "unknown" if predicted == MISSING else f"{predicted} {units.length}"
+    return f"{length} by the plane problem, {formula} by the formula"
 
 
 def draw_half_cycle(

@@ -450,7 +450,8 @@ def edge_window(shown: Shown, edge: Station, first: int, last: int) -> tuple[flo
     places = edge.position[first : last + 1]
     half_width = np.nanmax(shown.summary.half_width, initial=0.0)
     zones = [zone for zone in edge.slip_zones[-2:] if zone.end > first]
-    lengths = [length for z in zones for length in (z.length, z.prediction) if length > 0]
+    both = [length for z in zones for length in (z.length, edge.told_prediction(z))]
+    lengths = [length for length in both if length > 0]
     depth = ZONES * max(lengths, default=0.0)
     if not np.isfinite(places).any() or any(zone.gross for zone in zones):
         return _limits(shown, np.concatenate([each.position for each in shown.summary.stations]))
@@ -499,7 +500,7 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
 
 def _mark_zone(axes: Axes, edge: Station, zone: SlipZone, height: float) -> None:
     """The inner end of a slip zone as found and as predicted."""
-    predicted = edge.position[zone.end] + inward(edge) * zone.prediction
+    predicted = edge.position[zone.end] + inward(edge) * edge.told_prediction(zone)
     for place, mark in ((zone.border, "o"), (predicted, "x")):
         (point,) = axes.plot(place, height, mark, mfc="none", color="black", ms=6)
         # Whole at the first and last state too, beyond the frame.
