@@ -91,7 +91,9 @@ class Kind(StrEnum):
         "surface end",
         "the contact reaches the end of its surface",
         "the last node of a plane contact surface is in contact",
-        "extend the physical group; the edge found there is not a true contact edge",
+        "if the bodies go on behind it, extend the physical group; if both end there, the pressure "
+        "does not fall to zero and there is no edge with a K_N; if one of them ends there, it is a "
+        "sharp corner, where K_N does not exist",
     )
     CUT_END = (
         "cut end",
