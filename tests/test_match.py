@@ -319,18 +319,18 @@ def test_other_friction_or_units_are_refused(exact: Result) -> None:
 
 
 @pytest.mark.parametrize(
-    ("tables", "text"),
+    ("tables", "values", "text"),
     [
-        ({"units": {"length": "m"}}, "test: units.length: expected 'mm' as in the component"),
-        ({"contacts": {"main": {**PAD["contacts"]["main"], "friction": 0.3}}},
-         "test: friction: expected 0.4 as in the component, found 0.3"),
+        ({"units": {"length": "m"}}, {}, "test: units.length: expected 'mm' as in the component"),
+        ({}, {"friction": 0.3}, "test: friction: expected 0.4 as in the component, found 0.3"),
     ],
     ids=["units", "friction"],
-)  # fmt: skip
+)
 def test_tests_of_other_friction_or_units_are_refused(
-    solved: Result, tables: dict[str, Any], text: str
+    solved: Result, tables: dict[str, Any], values: dict[str, float], text: str
 ) -> None:
-    test = replace(solved, case=parse_case({**case().model_dump(exclude_unset=True), **tables}))
+    other = parse_case({**case().model_dump(exclude_unset=True), **tables})
+    test = replace(with_station(solved, **values), case=other)
     with pytest.raises(FretfeError, match=text):
         compare_tests(match_test(solved, "main.left", rig()), [("test", test)])
 

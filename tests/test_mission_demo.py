@@ -33,7 +33,8 @@ def test_worst_cycle_and_files(tmp_path: Path) -> None:
         extremes = result.loads.values[[cycles.start[worst], cycles.end[worst]], 1]
         assert sorted(extremes) == pytest.approx([load.min(), load.max()])
         exact = a * (1 - np.sqrt(1 - np.ptp(load) / (2 * 0.4 * 600)))
-        assert [zone.length for zone in edge.slip_zones] == pytest.approx([exact, exact])
+        assert len(edge.slip_zones) == 2
+        assert all(abs(zone.length - exact) < zone.spread for zone in edge.slip_zones)
         own = [row for row in rows if row["front"] == edge.front]
         assert len(own) == len(cycles.count)
         (marked,) = [row for row in own if row["worst"] == "True"]

@@ -34,6 +34,7 @@ from fretfe.evaluate.resolution import (
     resolves,
     station_values,
 )
+from fretfe.evaluate.withheld import TOLD
 from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import Solution
 from fretfe.idealise import HalfPlaneProblem
@@ -227,7 +228,7 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
     x = np.concatenate([[-1.0, -1.0 + size], np.linspace(-0.9, 0.9, 19), [1.0 - size, 1.0]])
     pressure = np.zeros((2, len(x), 2))
     pressure[1, :, 0] = 1 + x**2
-    history = SimpleNamespace(arc=x, traction=pressure, name="flat")
+    history = SimpleNamespace(surface=SimpleNamespace(arc=x), traction=pressure, name="flat")
     unknown = np.full(2, np.nan)
     station = SimpleNamespace(
         front="left",
@@ -235,7 +236,7 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
         last_k_n=(math.nan, math.nan),
         uncertain=False,
         position=unknown,
-        unknown="",
+        lack=TOLD,
     )
     contact = SimpleNamespace(name="flat", stations=(station,), half_width=unknown)
     solution = SimpleNamespace(contacts=(history,), cycle=None, times=np.arange(2.0))

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -136,7 +137,7 @@ def test_edge_value_of_the_exact_stress(inward: int, elements: int, error: float
 
     status = np.where(np.abs(arc) < c, 1, np.where(np.abs(arc) < a, 2, 0))
     contact = ContactHistory.__new__(ContactHistory)
-    object.__setattr__(contact, "arc", arc)
+    object.__setattr__(contact, "surface", SimpleNamespace(arc=arc))
     found = edge_stress(places, stress(places), -inward * a, inward, contact, status)
     expected = stress(np.array([-inward * a]))[0]
     assert expected > 0
@@ -159,7 +160,7 @@ def test_the_largest_edge_value_is_one_that_no_unknown_state_exceeds(
     arc = np.arange(-1.2, 1.2, size)
     places = (arc[:, None] + size * np.array([0.2113, 0.7887])).ravel()
     contact = ContactHistory.__new__(ContactHistory)
-    object.__setattr__(contact, "arc", arc)
+    object.__setattr__(contact, "surface", SimpleNamespace(arc=arc))
 
     def partial(x: Array, border: float) -> Array:
         shear = 0.4 * inward * (1 if trailing else -1)
@@ -194,7 +195,7 @@ def test_the_largest_edge_value_is_one_that_no_unknown_state_exceeds(
 def test_edge_values_that_are_unknown_have_reasons() -> None:
     contact = ContactHistory.__new__(ContactHistory)
     arc = np.linspace(-1, 1, 21)
-    object.__setattr__(contact, "arc", arc)
+    object.__setattr__(contact, "surface", SimpleNamespace(arc=arc))
     inside = np.abs(arc) < 0.75
 
     def reason(status: Array, position: float = -0.8) -> str:

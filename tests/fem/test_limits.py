@@ -109,11 +109,14 @@ def test_strains_of_order_one(solved: Any) -> None:
 
 
 def test_a_column_that_leans(solved: Any) -> None:
-    geometry = cylinder(**COARSE, upper_height=60, upper_width=6)
-    loads = {"press": press(), "shear": shear(200.0, steps=8)}
-    result = solved(pad(geometry=geometry, bodies=of_steel(0.2), loads=loads))
-    assert limits(result)[ROTATION].found > 0.01
-    assert limits(result)[PAIRING].exceeded
+    def leaning(height: float, width: float, normal: float, sideways: float) -> Any:
+        geometry = cylinder(**COARSE, upper_height=height, upper_width=width)
+        loads = {"press": press(normal), "shear": shear(sideways, steps=8)}
+        return limits(solved(pad(geometry=geometry, bodies=of_steel(0.2), loads=loads)))
+
+    assert leaning(60.0, 6.0, 600.0, 200.0)[ROTATION].found > 0.01
+    # There the contact moves to the end of its surface, so that no K_T is known; here it does not.
+    assert leaning(200.0, 3.0, 150.0, 0.5)[PAIRING].found > 0.01
 
 
 @pytest.mark.parametrize("height", [12.0, 30.0])
@@ -220,7 +223,9 @@ def test_rotation_and_strain_of_a_curved_surface(corners: int) -> None:
     frames = tangent_frames(shape.normals)
     history = cast(
         ContactHistory,
-        SimpleNamespace(facets=shape.facets, points=shape.points, frames=frames),
+        SimpleNamespace(
+            surface=SimpleNamespace(facets=shape.facets, points=shape.points, frames=frames)
+        ),
     )
     derive = _along_surface(history)
     turn = np.array([1e-3, 2e-3, -3e-3])

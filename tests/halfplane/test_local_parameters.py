@@ -31,8 +31,8 @@ def test_closed_forms_of_partial_slip(outcome) -> None:  # type: ignore[no-untyp
     (contact,) = outcome.solution.contacts
     found = local_parameters(contact, outcome.solution.loads.evaluated)
     exact = PartialSlip(HERTZ, LOAD, FRICTION)
-    inside = np.abs(contact.arc) < exact.half_width
-    x = contact.arc[inside]
+    inside = np.abs(contact.surface.arc) < exact.half_width
+    x = contact.surface.arc[inside]
     slip = 2 * np.abs(exact.slip(x, AMPLITUDE))
     assert found.slip_range[inside] == pytest.approx(slip, abs=ACCURACY * slip.max())
     assert not found.slip_range[~inside].any()
@@ -43,9 +43,9 @@ def test_closed_forms_of_partial_slip(outcome) -> None:  # type: ignore[no-untyp
     # At the edges means around a node are not the values there.
     deep = np.abs(x) < 0.97
     assert found.ruiz[inside][deep] == pytest.approx(expected[deep], abs=3e-3 * expected.max())
-    work = float(found.work @ contact.weights)
+    work = float(found.work @ contact.surface.weights)
     assert work == pytest.approx(exact.dissipation(AMPLITUDE), rel=ACCURACY)
-    wear = float(FRICTION * found.pressed_path @ contact.weights)
+    wear = float(FRICTION * found.pressed_path @ contact.surface.weights)
     assert wear == pytest.approx(work, rel=ACCURACY)
 
 
@@ -53,14 +53,16 @@ def test_the_sum_of_the_work_is_the_friction_work_of_the_cycle(outcome) -> None:
     (contact,) = outcome.solution.contacts
     found = local_parameters(contact, outcome.solution.loads.evaluated)
     (summary,) = evaluate(outcome.solution, outcome.unit_factors)
-    assert float(found.work @ contact.weights) == pytest.approx(summary.dissipation, rel=1e-12)
+    assert float(found.work @ contact.surface.weights) == pytest.approx(
+        summary.dissipation, rel=1e-12
+    )
 
 
 def test_slip_in_two_directions(outcome) -> None:  # type: ignore[no-untyped-def]
     """A node that slips round a square: the range is its diagonal, the path its circumference."""
     (contact,) = outcome.solution.contacts
     square = np.array([[0, 0], [3, 0], [3, 3], [0, 3], [0, 0]], dtype=float)
-    states, nodes = len(square), len(contact.arc)
+    states, nodes = len(square), len(contact.surface.arc)
     traction = np.zeros((states, nodes, 3))
     traction[..., 0], traction[..., 1] = 2.0, 1.0
     solid = replace(

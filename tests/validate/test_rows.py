@@ -218,7 +218,7 @@ def test_companions_that_make_no_sense_say_why() -> None:
     loads = case(loads={"press": varying, "shear": shear(90.0)})
     variants, reasons = make_variants(loads, backend.solve(loads))
     assert [variant.name for variant in variants] == [START]
-    assert "the normal load varies" in reasons[MEAN]
+    assert "the pressure at the edges varies" in reasons[MEAN]
 
 
 def test_validation_of_half_planes() -> None:
