@@ -27,7 +27,8 @@ from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import load_mesh
 
 # Accuracy for which an element size is proposed; sizes up to this factor larger are as good.
-PROPOSED, LIKE = 0.03, 1.05
+PROPOSED = 0.03
+LIKE = 1.05
 # Elements that are so many times as large are not meshed to see what they take: that may be hours.
 MOST_FINER = 10
 # Extremes of the loads in a cycle, and the last state.

@@ -25,9 +25,13 @@ NO_FILES = (
 # What is larger is refused (docs/security.md): rows of a table; nodes or elements that a file of
 # another run states; bytes of its arrays, or of the files of a deck; these files, and how deep they
 # include one another; members of a set of a deck, and of all of its instances.
-MOST_ROWS, MOST_STATED, MOST_BYTES = 1_000_000, 50_000_000, 4 * 2**30
-MOST_FILES, DEEPEST_INCLUDE = 1000, 10
-MOST_MEMBERS, MOST_PLACED = 100_000_000, 200_000_000
+MOST_ROWS = 1_000_000
+MOST_STATED = 50_000_000
+MOST_BYTES = 4 * 2**30
+MOST_FILES = 1000
+DEEPEST_INCLUDE = 10
+MOST_MEMBERS = 100_000_000
+MOST_PLACED = 200_000_000
 REASONS = {
     errno.ENOSPC: "the disk is full",
     errno.EDQUOT: "the disk quota is used up",

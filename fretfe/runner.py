@@ -77,7 +77,8 @@ if TYPE_CHECKING:
     from fretfe.report.page.html import Plots
     from fretfe.sweeps import Solved, Sweep
 
-CASE_COPY, ROWS = "case.toml", "validation.json"
+CASE_COPY = "case.toml"
+ROWS = "validation.json"
 # Keys of a case that a run may be continued without: they change no state.
 FREE_KEYS = ("title", "output")
 # Packages whose versions must not change within a run; those of a backend stand with its states.
@@ -86,7 +87,8 @@ MOST_CHANGES = 5
 # Names in a results folder under which a run removes or replaces what it finds.
 TAKEN = {*RESULT_FILES, *SWEEP_FILES, CASE_COPY, LOCK, MARK, PICTURES, ROWS, STATES}
 # Seconds between two notes of the last step: at least so many times what the last one took.
-NOTE_SECONDS, SPARING = 1.0, 50.0
+NOTE_SECONDS = 1.0
+SPARING = 50.0
 
 
 class Work:

@@ -75,7 +75,7 @@ FEM_ONLY = {
     "basix", "dolfinx", "dolfinx_solver", "ffcx", "mpi4py", "petsc4py", "slepc4py", "ufl"
 }  # fmt: skip
 # They may grow only where a commit says what that buys and what it makes unnecessary.
-MOST_MODULES, MOST_LINES = 274, 42_500
+MOST_MODULES, MOST_LINES = 274, 42_800
 # A smaller module that one other imports belongs into that.
 FEWEST_LINES = 60
 ROOT = Path(fretfe.__file__).parent

@@ -28,7 +28,8 @@ from fretfe.analytic.edges import normal_increment_factor, tangential_factor
 COMPONENTS = 4
 # Variation of a load, and excess of |Q| over f P, that count as round-off.
 ROUND_OFF = 1e-12
-FULL, HALF = 1.0, 0.5
+FULL = 1.0
+HALF = 0.5
 
 
 class LoadPath(Protocol):

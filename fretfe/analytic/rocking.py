@@ -38,7 +38,8 @@ _FEWEST_POINTS = 4
 _MAX_ITERATIONS = 100
 _MAX_CUTS = 20
 # Steps of the moment where Newton's method fails from the symmetric contact: each 20 % more.
-_FIRST_SHARE, _SHARES = 1e-3, 39
+_FIRST_SHARE = 1e-3
+_SHARES = 39
 # Stands for 0 as a divisor of 0.
 _SMALLEST_SINE = 1e-100
 # Relative to P and to P times the half-width without moment.

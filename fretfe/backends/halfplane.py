@@ -30,7 +30,8 @@ from fretfe.results.model import Result
 
 # Error of K_N or K_T from which the factors of half-planes are not those of the bodies, and of the
 # longest slip zone, by what P stretches different bodies, from which its length is not.
-LARGEST_SIZE_ERROR, LARGEST_STRETCH = 0.01, 0.05
+LARGEST_SIZE_ERROR = 0.01
+LARGEST_STRETCH = 0.05
 
 
 def with_size_errors(summary: Contact, problem: HalfPlaneProblem) -> Contact:

@@ -50,11 +50,13 @@ from fretfe.surface.surface import build_surface
 
 # More passes than this do not help: the element size at the edges has been halved eight times. Of
 # solids each pass takes minutes, and one and a half to twice the memory of the one before.
-MOST_PASSES, MOST_SOLID_PASSES = 12, 6
+MOST_PASSES = 12
+MOST_SOLID_PASSES = 6
 # In the folder of the states: what makes the next mesh.
 NOTE = "refinement.json"
 # Layers of swept bodies over those of the mesh before; what a template calls their thickness.
-FINER, SWEPT = 1.4, "length_size"
+FINER = 1.4
+SWEPT = "length_size"
 # Passes that may be needed to find the edges and to resolve their slip zones.
 UNRESOLVED_PASSES = 3
 # Part of an element that is not counted: intervals often are multiples of their elements, but for

@@ -12,11 +12,13 @@ from fretfe._typing import Array
 
 # Changes over the size of a boundary, beyond which a unit is doubted: 1e-5 is 2 MPa in steel, and
 # .05 is beyond the strain that linear elasticity describes.
-LEAST, MOST = 1e-5, 0.05
+LEAST = 1e-5
+MOST = 0.05
 # By how much one unit may be mistaken for another: m, mm and µm.
 MISTAKES = (1e3, 1e-3, 1e6, 1e-6)
 # Changes below this part of the displacements, or so many roundings of them, are none.
-ROUND_OFF, ROUNDINGS = 1e-9, 10
+ROUND_OFF = 1e-9
+ROUNDINGS = 10
 
 
 def change_of_shape(places: Array, moved: Array, rounding: float = 0.0) -> float:

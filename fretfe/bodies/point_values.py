@@ -31,7 +31,9 @@ SAME = 1e-9
 HOLE = 3.0
 # More points than these are moved by up to this part of their spacing before they are triangulated;
 # elements whose weights that changes by more are slivers.
-MANY, JOGGLE, SLIVER = 1000, 1e-6, 1e-2
+MANY = 1000
+JOGGLE = 1e-6
+SLIVER = 1e-2
 # Nodes around each place between which values at nodes are linear.
 NEAREST = 32
 

@@ -25,7 +25,8 @@ from pydantic import (
 TAG = "::"
 
 # Products and squares of a few such numbers can be computed; no unit makes them larger or smaller.
-LARGEST, SMALLEST = 1e30, 1e-30
+LARGEST = 1e30
+SMALLEST = 1e-30
 # Steps of a load, or cycles: far more than can be solved.
 MOST_STEPS = 1_000_000
 

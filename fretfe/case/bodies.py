@@ -354,7 +354,8 @@ class Crystal(Table):
         return couples_across(self.stiffness) > COUPLED
 
 
-ISOTROPIC, CRYSTAL = f"{TAG}isotropic", f"{TAG}crystal"
+ISOTROPIC = f"{TAG}isotropic"
+CRYSTAL = f"{TAG}crystal"
 
 
 def _kind(value: Any) -> str:

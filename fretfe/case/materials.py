@@ -34,7 +34,8 @@ PURE = ("poisson", "expansion")
 CONSTANTS = ("young", "poisson", "elastic", "density", "expansion")
 ELASTIC = ("young", "poisson", "elastic")
 # Bytes, and characters.
-LARGEST_FILE, LONGEST_NAME = 1_000_000, 1000
+LARGEST_FILE = 1_000_000
+LONGEST_NAME = 1000
 
 
 class MaterialUnits(Table):

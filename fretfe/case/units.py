@@ -28,7 +28,8 @@ MILLIMETRES = {
     "ft": 304.8,
 }
 # Units by their labels, in SI.
-POUND, INCH = 0.45359237, 0.0254
+POUND = 0.45359237
+INCH = 0.0254
 METRES = {label: size / 1e3 for label, size in MILLIMETRES.items()}
 FORCES = {"N": 1.0, "kN": 1e3, "MN": 1e6, "lbf": POUND * 9.80665}
 PSI = FORCES["lbf"] / INCH**2
@@ -37,7 +38,8 @@ STRESSES |= {"psi": PSI, "ksi": 1e3 * PSI, "Msi": 1e6 * PSI}
 DENSITIES = {"kg/m^3": 1.0, "g/cm^3": 1e3, "t/mm^3": 1e12, "lb/in^3": POUND / INCH**3}
 TIMES = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
 # Labels without a table.
-LENGTH, FORCE = "mm", "N"
+LENGTH = "mm"
+FORCE = "N"
 # Labels of units that belong together may differ by this part, as digits of conversions do.
 SAME_UNIT = 1e-6
 

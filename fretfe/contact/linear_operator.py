@@ -110,7 +110,8 @@ class Response:
 # leave the block as it is.
 STEP = 1 / 64
 # Nodes that are factorised: at least so many, and so many times those in contact.
-FEWEST, SPARE = 300, 1.25
+FEWEST = 300
+SPARE = 1.25
 # Work of opening a component among those of a block, for each of them, over that of a factorisation
 # for each cube of an unknown (measured: 18 ns, .03 ns).
 OPENING = 600
@@ -121,7 +122,8 @@ SLIDES = 1.2
 # unknowns, from which on they are factorised; the residual, over displacements, that no border may
 # leave.
 SLIDING = ("status", "pull", "known")
-WIDEST_BORDER, BORDER_ERROR = 0.5, 1e-11
+WIDEST_BORDER = 0.5
+BORDER_ERROR = 1e-11
 # Singular values below this fraction of the largest belong to motions that nothing resists.
 UNRESISTED = 1e-10
 

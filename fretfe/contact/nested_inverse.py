@@ -27,11 +27,13 @@ ROUND_OFF = 1e-12
 FALLS = 0.03
 # Work of reading an entry of a matrix, and of making one of a system, over that of a multiplication
 # and addition in a product of matrices.
-READING, MAKING = 12, 150
+READING = 12
+MAKING = 150
 # Unknowns that border factors, over those of the factors, from which on it is factorised anew.
 WIDEST = 1 / 16
 # Iterations of GMRES at a time; products with a system after which its own factors are of no use.
-ITERATIONS, MOST = 12, 72
+ITERATIONS = 12
+MOST = 72
 
 
 class NestedInverse:

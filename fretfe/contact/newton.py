@@ -43,7 +43,9 @@ NO_RESISTANCE = "the loads find no resistance: the contact slides or opens as a 
 # Directions of slip (in three dimensions) are converged when the shear changes by less than this
 # part of its largest bound; or by less than the second, and no more by far less than before, as the
 # method would without round-off.
-DIRECTION_TOLERANCE, ROUND_OFF, FALLS = 1e-10, 1e-7, 0.1
+DIRECTION_TOLERANCE = 1e-10
+ROUND_OFF = 1e-7
+FALLS = 0.1
 
 
 class NotConverged(Exception):

@@ -25,7 +25,10 @@ SAME_STATE = 1e-10
 MOST_CANDIDATES = 16
 # Steps or seconds between two notes of the state of a history, and the fewest seconds: at least so
 # many times what the last one took.
-NOTE_STEPS, NOTE_SECONDS, LEAST_SECONDS, SPARING = 50, 5.0, 0.5, 50.0
+NOTE_STEPS = 50
+NOTE_SECONDS = 5.0
+LEAST_SECONDS = 0.5
+SPARING = 50.0
 # The slowest fall of a change from cycle to cycle that slip is extrapolated with: it is never known
 # better, as the slowest parts of a change last.
 SLOWEST = 0.92

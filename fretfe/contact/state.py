@@ -26,7 +26,8 @@ CANCELLATION = 1e-12
 # Parts of the pressures before and after that act while a node slips. Slip that goes on is even. Of
 # a zone that grows evenly from an edge inward with p ~ √s, each node slips as (t - s/d)^(3/2): on
 # the mean over the zone, weighted with the work, 3/4 of the change of p has passed by then.
-GOING_ON, BEGINNING = 0.5, 0.75
+GOING_ON = 0.5
+BEGINNING = 0.75
 # An edge that moves evenly passes nodes between here and there: with p ~ √s behind it and even slip
 # they do 2/5 of the work of the pressure they have at the end at which they are in contact.
 PASSED_BY = 0.4

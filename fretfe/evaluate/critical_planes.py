@@ -22,7 +22,8 @@ from fretfe._typing import Array
 from fretfe.errors import CaseError
 
 # Degrees between the planes of the first search, and the last step around the best of them.
-COARSE, FINEST = 10.0, 0.1
+COARSE = 10.0
+FINEST = 0.1
 # Directions in a plane along which the farthest states are looked for.
 DIRECTIONS = 16
 # Numbers that are held at the same time, of states, points and planes.

@@ -35,7 +35,8 @@ EQUAL = 1e-6
 # Change of the shear from one cycle to the next, relative to f p_max, below which it is steady.
 STEADY_CHANGE = 1e-3
 # Cycles that are compared, and the fraction of the largest load within which loads are the same.
-MOST_CYCLES, SAME_LOAD = 3, 1e-9
+MOST_CYCLES = 3
+SAME_LOAD = 1e-9
 # A change that is at least so large a part of the one before does not fall.
 FALLING = 0.98
 

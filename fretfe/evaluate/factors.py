@@ -56,7 +56,8 @@ WANTED_NODES = 16
 # mean of both ends of the cycle by (2 - 2 ln 2) f beta/pi, and that has f d K_N = dK_T + f dK_I(d)
 # + (1 + 2 ln 2) f beta/pi dK_T: together K_I at exp(-3) d. At the border of stick the traction of
 # full stick counts with 1/sqrt(s (d - s)), over which the mean of ln s is ln(d/4).
-K_T_LENGTH, K_I_LENGTH = 0.25, math.exp(-3)
+K_T_LENGTH = 0.25
+K_I_LENGTH = math.exp(-3)
 # A slip zone of which nothing is known is taken for so long, in half-widths.
 UNKNOWN_ZONE = 0.1
 # Iterations for the reference length, which hardly matters.

@@ -25,7 +25,8 @@ from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.slip import SlipBorder
 
 # Depths at which the memory is followed, over the largest one, and next to the border no shape.
-LEVELS, TIP = 800, 0.02
+LEVELS = 800
+TIP = 0.02
 # Part of the drive by which a loop may miss its beginning by the error of K_T; f K_I, which moves
 # the edge to first order only, counts besides; and the most of both.
 LOOSE = 0.005
@@ -34,7 +35,9 @@ MOST_LOOSE = 0.1
 ROUND_OFF = 1e-12
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
-PASSES, UNSURE, FEWEST = 3, 0.2, 4.0
+PASSES = 3
+UNSURE = 0.2
+FEWEST = 4.0
 # Growth other than the loads tell has to leave an error bar so many times as small.
 CLEARLY = 3.0
 # A shape within so much of (D - y)^(3/2) is that.

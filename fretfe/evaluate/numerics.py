@@ -16,7 +16,8 @@ SYSTEMATIC = 2.0
 HIGHEST = 5
 POWERS = np.arange(HIGHEST + 1)
 # Newton's method for the root: iterations at most, and steps that are none, in window lengths.
-ITERATIONS, ROUND_OFF = 12, 1e-15
+ITERATIONS = 12
+ROUND_OFF = 1e-15
 # Edges may stand so many elements outside the outermost node.
 FARTHEST = 3.0
 # Pressures of a fit are taken as this part of their error at least: weights stay finite.

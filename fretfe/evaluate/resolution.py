@@ -34,7 +34,8 @@ from fretfe.surface.surface import Surface, build_surface
 
 # Elements over the length in which the pressure rises, and over a slip zone, in the first mesh that
 # resolves a front; each further level halves the elements.
-PER_RISE, PER_SLIP_ZONE = 16, 8
+PER_RISE = 16
+PER_SLIP_ZONE = 8
 # Elements may be larger than asked for by this factor: a mesh follows sizes only roughly.
 MISSED = 1.3
 # So much smaller are the next elements where these are too large to tell K_N.
@@ -51,15 +52,20 @@ PER_RADIUS = 6.0
 # Nodes in contact of solids that are likely to show its fronts.
 NODES_WITH_FRONTS = 200
 # Elements along fronts of solids become smaller by factors between these from mesh to mesh.
-LEAST_FINER, MOST_FINER = 1.4, 2.0
+LEAST_FINER = 1.4
+MOST_FINER = 2.0
 # A direction is along the surface if its part along the normal is below this.
 PARALLEL = 1e-3
 # The estimate is good to about this fraction of the width: it must not cry wolf.
 MARGIN = 0.85
-WIDTHS, ANGLES = 400, 64
+WIDTHS = 400
+ANGLES = 64
 # A paraboloid is fitted to the gaps within so many half axes and elements around the lowest one, so
 # often; it describes them if it misses no more than this part of what they differ by.
-REACH, ELEMENTS, FITS, RESIDUAL = 1.5, 2.5, 8, 0.2
+REACH = 1.5
+ELEMENTS = 2.5
+FITS = 8
+RESIDUAL = 0.2
 # A smaller curvature, as part of the larger one, is none.
 STRAIGHT = 1e-6
 # Gaps that differ by less than this fraction of the largest one are the same.

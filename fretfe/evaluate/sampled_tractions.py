@@ -29,7 +29,8 @@ from fretfe.evaluate.plane.slip import slip_border
 # Less than this part of the largest pressure, slip or friction bound counts as zero.
 TRACE = 1e-6
 # Slip and distance from the friction bound count from so many standard deviations of their noise.
-SLIP_NOISE, BOUND_NOISE = 4.0, 3.0
+SLIP_NOISE = 4.0
+BOUND_NOISE = 3.0
 # Shear beyond the friction bound, over the largest one, that noise and round-off do not explain.
 BEYOND_BOUND = 0.02
 # Fewest nodes on the friction bound, next to the edge, between which and the others a border is.

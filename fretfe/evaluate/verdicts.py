@@ -14,12 +14,15 @@ from fretfe.verdict import Verdict
 
 # The expected error of the formulas is a first-order estimate: trusted within this factor, and not
 # at all where it is large.
-ESTIMATE_FACTOR, LARGEST_ERROR = 1.5, 0.1
+ESTIMATE_FACTOR = 1.5
+LARGEST_ERROR = 0.1
 # A slip zone is located to about a tenth of an element, and to this fraction of its length.
-BORDER_ELEMENTS, BORDER_FRACTION = 0.2, 0.02
+BORDER_ELEMENTS = 0.2
+BORDER_FRACTION = 0.02
 # Predicted lengths from the front behind which the flank begins, and mean shear there over f p from
 # which the contact nearly slides.
-FLANK, NEAR_SLIDING = 1.5, 0.95
+FLANK = 1.5
+NEAR_SLIDING = 0.95
 # Error of the formulas between unlike bodies, over f |beta|: measured on half-planes with beta up
 # to .2, f = .3 and .8, slip both ways and mean shear up to .6 f P.
 COUPLED = 0.7

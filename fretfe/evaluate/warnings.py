@@ -35,7 +35,8 @@ FEWEST_TURNS = 5
 FEWEST_NODES = 80
 # A front whose elements are so many times as long as the finest ones next to it lies beside the
 # fine mesh. Elements of that mesh are longer than the finest ones by up to the second factor.
-BESIDE, FINE = 2.5, 1.5
+BESIDE = 2.5
+FINE = 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
 # Part of the largest force below which a contact is unloaded.

@@ -28,7 +28,9 @@ from fretfe.results.tables import unit
 from fretfe.verdict import Verdict
 
 # Slip zones are those of the last two half cycles, in the order of time.
-K_N, K_T, ZONES = "K_N", "ΔK_T", ("d_1", "d_2")
+K_N = "K_N"
+K_T = "ΔK_T"
+ZONES = ("d_1", "d_2")
 # Of contacts of solids in the last state.
 SOLID_NUMBERS = {
     "P": "normal_force",

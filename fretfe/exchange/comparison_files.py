@@ -38,7 +38,8 @@ MARGIN = 0.05
 # Rows from one number of an edge to the next one in the same panel.
 BELOW = 0.3
 # Inches of a row of the figure of differences, and of what stands around them.
-ROW, AROUND = 0.32, 1.3
+ROW = 0.32
+AROUND = 1.3
 SCHEMA = {"name": "fretfe-comparison", "version": 2}
 COMPARISON = "comparison.json"
 HISTORY_KEYS = ("contact", "edge", "quantity", "unit", "common", "difference")

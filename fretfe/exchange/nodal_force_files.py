@@ -19,7 +19,9 @@ from fretfe.mesh.inp_groups import DeckSurface, read_surface
 from fretfe.results.model import Result
 from fretfe.results.writer import prepare_other
 
-TABLE, LOADS, GRID = "forces.csv", "cload.inp", "forces.vtu"
+TABLE = "forces.csv"
+LOADS = "cload.inp"
+GRID = "forces.vtu"
 # VTK's numbers of facets, by dimension of space and number of nodes.
 CELL_TYPES = {(2, 2): 3, (2, 3): 21, (3, 3): 5, (3, 4): 9, (3, 6): 22, (3, 8): 23}
 # A time that is given with six digits is found.

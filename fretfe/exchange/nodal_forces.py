@@ -37,10 +37,15 @@ FARTHEST = 0.05
 BALANCE = 1e-10
 # Places along a facet of the contact: so many in one of the other surface, these at least and most,
 # and in all facets together.
-DENSITY, FEWEST, MOST, MOST_PLACES = 3.0, 3, 200, 200_000
+DENSITY = 3.0
+FEWEST = 3
+MOST = 200
+MOST_PLACES = 200_000
 # Facets of the other surface that are looked at around each place, by dimension, until its foot is
 # within one that is nearer than this part of the size of facets; places at once.
-AROUND, NEAR, AT_ONCE = {2: 6, 3: 16}, 0.1, 50_000
+AROUND = {2: 6, 3: 16}
+NEAR = 0.1
+AT_ONCE = 50_000
 # Of reference coordinates.
 ROUND_OFF = 1e-9
 CENTRE = AT_CENTRE[SERENDIPITY_QUADRILATERAL]

@@ -26,7 +26,8 @@ from fretfe.results.tables import unit
 SAME_TIME = 1e-9
 LAST = "last state"
 # Points of a line through a contact of solids, and how far it goes on beside it, over its width.
-POINTS, BEYOND = 401, 0.1
+POINTS = 401
+BEYOND = 0.1
 # Ends of two meshes of a surface lie beside each other by round-off, and bent ones by their chords:
 # so far beyond a triangle, over its height, values are linear as in it.
 BESIDE = 1e-3

@@ -22,7 +22,8 @@ from fretfe.results.model import Result
 
 # Times of the states of a run, the same as positions in it, and the values of its loads.
 HISTORY = "history.csv"
-TIME, POSITION = "time", "position"
+TIME = "time"
+POSITION = "position"
 # Elements of the run over those of the part.
 FINER = 4.0
 

@@ -42,7 +42,8 @@ from fretfe.fem._compat import DGEMMT, PETSc, petsc_library
 # MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
 # faster than nested dissection, which pays in three dimensions only.
 ORDERING_CONTROL = 7
-MINIMUM_DEGREE, NESTED_DISSECTION = 0, 5
+MINIMUM_DEGREE = 0
+NESTED_DISSECTION = 5
 # MUMPS control: no pivoting. A body that cannot move freely does not need it.
 PIVOTING_CONTROL = 1
 # MUMPS control: what a solve does with the Schur unknowns. 0: solve for all others, these zero.
@@ -50,7 +51,8 @@ SCHUR_SOLVE_CONTROL = 26
 INTERIOR_ONLY = 0
 # MUMPS control: of the Schur complement of a symmetric matrix only one triangle is returned, the
 # lower one by columns unless this says by rows.
-SCHUR_CONTROL, BY_ROWS = 19, 1
+SCHUR_CONTROL = 19
+BY_ROWS = 1
 # The same control says whether there is a complement. MUMPS reads it when it analyses a matrix and
 # not again. PETSc reads it before it lets several ranks solve, and refuses with a complement
 # (`MatMatSolve_MUMPS`, 3.22 to 3.25), although MUMPS can; so it is taken back after factorisation.
@@ -59,7 +61,8 @@ NO_COMPLEMENT = 0
 BLOCK = 256
 # MUMPS control: a factor goes to files while it is made, and is read from them by each solve. In
 # memory stay the fronts of the moment. The environment variable names the folder.
-FILES_CONTROL, ON_DISK = 22, 1
+FILES_CONTROL = 22
+ON_DISK = 1
 FOLDER = "MUMPS_OOC_TMPDIR"
 # By this name a factor keeps the folder of its files.
 FILES = "fretfe_files"
@@ -72,7 +75,8 @@ OUT_OF_MEMORY = (-5, -7, -8, -9, -13, -17, -19, -20)
 # The environment variable that chooses the factors, for comparisons: "lu" or "symmetric".
 SWITCH = "FRETFE_FACTORS"
 # Unknowns and multipliers of the trial of a symmetric factorisation, large enough for blocks.
-TRIAL, TRIAL_BORDER = 160, 80
+TRIAL = 160
+TRIAL_BORDER = 80
 # By this much of its largest entry may the compliance of the trial be off.
 TRIAL_TOLERANCE = 1e-12
 

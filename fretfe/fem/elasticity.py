@@ -50,7 +50,8 @@ PART_DEGREE = 12
 MATCH_TOLERANCE = 1e-8
 
 # Below the folder of DOLFINx: what is there belongs to processes that know the lock.
-FOLDER, LOCK = "fretfe", "lock"
+FOLDER = "fretfe"
+LOCK = "lock"
 # Seconds to wait for another process that compiles the same form.
 TIMEOUT = 120
 # Of the C compiler, in place of DOLFINx's. Sums are reordered and there are no error numbers:

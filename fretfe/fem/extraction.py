@@ -43,7 +43,8 @@ SAME_AREA = 0.02
 # Radii of the circles, in half-widths of the contact, and how far the smallest and largest one are
 # from elements and from the middle.
 REACHES = (0.1, 0.15, 0.25)
-FEWEST_ELEMENTS, LARGEST = 10.0, 0.5
+FEWEST_ELEMENTS = 10.0
+LARGEST = 0.5
 # Distances from the front, in elements across it, as far as which is integrated, and half-lengths
 # along it in elements across it or along it, whichever is longer. The last way tells how much the
 # half-length matters. They are compared in one area; elsewhere the usual one does.

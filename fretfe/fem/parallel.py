@@ -27,10 +27,12 @@ T = TypeVar("T")
 Subject = TypeVar("Subject")
 
 # How long waiting ranks sleep before they look again (s), and as a part of their waiting so far.
-LONGEST_SLEEP, SLEEP_FRACTION = 0.005, 0.1
+LONGEST_SLEEP = 0.005
+SLEEP_FRACTION = 0.1
 # How long a rank with an error waits for the others to come to the same place: so long (s), and
 # so many times what its work took. Those that wait for this one never come.
-LEAST_PATIENCE, PATIENCE = 10.0, 5.0
+LEAST_PATIENCE = 10.0
+PATIENCE = 5.0
 # Splitting a communicator costs one of a limited number of them: splits are kept.
 _SPLITS: dict[tuple[int, tuple[int, ...]], MPI.Comm] = {}
 # Copies of communicators on which ranks agree upon errors: what an error has left unfinished on the

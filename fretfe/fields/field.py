@@ -32,7 +32,8 @@ ONLY_STEP = 1.0
 # Rounding of numbers in single precision.
 SINGLE = float(np.finfo(np.float32).eps) / 2
 # Significant digits that a program may have written, and of how many values that is found.
-DIGITS, SAMPLE = range(4, 10), 1000
+DIGITS = range(4, 10)
+SAMPLE = 1000
 
 # Numbers of nodes of the elements whose shape functions VTK knows, by its number of their kind.
 # Those of polygons and polyhedra do not reproduce linear fields, and others have none.

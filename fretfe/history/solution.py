@@ -21,7 +21,9 @@ from fretfe.loads import CycleChoice, History
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
 
-OPEN, STICK, SLIP = 0, 1, 2
+OPEN = 0
+STICK = 1
+SLIP = 2
 # Forces below this fraction of the largest one in the history are not compared with themselves:
 # what round-off leaves of a balance is 1e-12 of the largest one.
 NO_FORCE = 1e-6

@@ -35,7 +35,8 @@ from fretfe.files import disk_reason, make_folder, open_own, replacing, sync
 from fretfe.history.state_array import StateArray, states_in_block
 
 # Folder of the states in that of the results, and the file in it.
-STATES, FILE = "states", "states.rows"
+STATES = "states"
+FILE = "states.rows"
 # Part of a block that waits to be written, as one over this.
 PENDING = 8
 
@@ -290,7 +291,8 @@ def select_rows(dataset: Any, rows: Indices, part: slice = slice(None)) -> Any:
     return values if same else values[places]
 
 
-CHECKPOINT, BEFORE = "checkpoint.npz", "checkpoint-before.npz"
+CHECKPOINT = "checkpoint.npz"
+BEFORE = "checkpoint-before.npz"
 # Name of the text among the arrays.
 TEXT = "text"
 

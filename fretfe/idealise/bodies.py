@@ -16,7 +16,8 @@ from fretfe.materials.crystals import coupling
 from fretfe.materials.material import Material
 from fretfe.materials.moduli import contact_modulus, half_plane, half_planes
 
-UPPER, LOWER = "upper", "lower"
+UPPER = "upper"
+LOWER = "lower"
 # Of the contact surface of the lower body, and with it a tangent.
 NORMAL = np.array([0.0, 1.0])
 FRAME = np.array([[0.0, 1.0], [1.0, 0.0]])
@@ -31,15 +32,18 @@ ALIKE = 1e-4
 # Relative error of a half-plane in place of a body, times the square of the half-width of the
 # contact over the height or half-width of the body. Measured by finite elements on cylinders, 3 to
 # 10 half-widths high or wide: K_N 0.23 to 0.25 and 0.10 to 0.14, K_T up to 0.1 and 0.3 to 0.7.
-K_N_BY_HEIGHT, K_N_BY_WIDTH = 0.25, 0.14
-K_T_BY_HEIGHT, K_T_BY_WIDTH = 0.1, 0.7
+K_N_BY_HEIGHT = 0.25
+K_N_BY_WIDTH = 0.14
+K_T_BY_HEIGHT = 0.1
+K_T_BY_WIDTH = 0.7
 
 
 # Tension along the surface of a body under the contact that a half-plane does not have, over P by
 # its height or half-width, the larger one. Finite elements of blocks on a smooth or rough base: .48
 # and .40 of the former where they are half and as high as half of their width, .29 to .33 of the
 # latter where they are higher; a disc 1/pi.
-STRETCH_BY_HEIGHT, STRETCH_BY_WIDTH = 0.5, 0.3
+STRETCH_BY_HEIGHT = 0.5
+STRETCH_BY_WIDTH = 0.3
 
 # Half-planes carry Q away half to either side, a block with one side held along x carries all of it
 # there: a tension of Q/(2 height) times a share, by the half-width over the height. By finite
@@ -49,7 +53,8 @@ SHAPES = (0.3, 0.4, 0.5, 0.6, 0.75, 0.875, 1.0, 1.25, 1.5, 2.0, 3.0)
 SLIDING_SHARES = (5.41, 3.97, 2.98, 2.28, 1.63, 1.33, 1.16, 1.03, 1.0, 1.0, 1.0)
 HELD_SHARES = (5.35, 3.88, 2.93, 2.29, 1.63, 1.25, 0.96, 0.58, 0.35, 0.13, 0.02)
 # Parts of them by which nu = .2 and .4 differ; of a sliding block it falls as the share does.
-SLIDING_DOUBT, HELD_DOUBT = 0.12, 0.25
+SLIDING_DOUBT = 0.12
+HELD_DOUBT = 0.25
 
 
 @dataclass(frozen=True)

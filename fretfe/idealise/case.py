@@ -34,7 +34,8 @@ from fretfe.materials.moduli import plane_modulus
 from fretfe.mesh.templates import check_parameters, find_template
 from fretfe.surface.friction import coefficients
 
-TOP, BOTTOM = "upper_top", "lower_bottom"
+TOP = "upper_top"
+BOTTOM = "lower_bottom"
 # Direction of the outward normal of the sides of the lower body, along x.
 SIDES = {"lower_left": -1.0, "lower_right": 1.0}
 OTHER_SIDE = {"lower_left": "lower_right", "lower_right": "lower_left"}

@@ -19,7 +19,8 @@ from fretfe.local.hat_functions import HatFunctions
 
 # Elements grow by this fraction of their distance from where the edge is, up to a largest size.
 # With 20 elements over a slip zone its length is found to half a per cent.
-GROWTH, COARSEST = 0.08, 0.1
+GROWTH = 0.08
+COARSEST = 0.1
 # Of the reference point of displacements, in half-widths; only a rigid motion depends on it.
 FAR = 100.0
 # Samples of the shape of the pressure, and Gauss points for each.

@@ -37,18 +37,22 @@ from fretfe.local.unlike import Before, Pressed, UnlikeContacts, coupled_slip
 
 # Elements over the smallest zone that is to be resolved, and the finest and coarsest over the
 # half-width.
-PER_ZONE, FINEST, COARSEST = 20, 2e-4, 0.03
+PER_ZONE = 20
+FINEST = 2e-4
+COARSEST = 0.03
 # Edges travel at most so many of the finest elements.
 TRAVEL = 40
 # Movement of the edge within a part of a step, over the half-width and over the smallest zone.
-LARGEST_MOVE, ZONE_MOVE = 0.01, 0.25
+LARGEST_MOVE = 0.01
+ZONE_MOVE = 0.25
 MOST_PARTS = 64
 # Error of the shear over the largest f p.
 TOLERANCE = 1e-9
 # Change of the shear over a steady cycle, added up over the nodes, over the swing of the force.
 # What remains of it sits in a few nodes at the border of slip, where shear across the line of
 # (K_T, K_S) dies out slowly.
-STEADY, MOST_CYCLES = 2e-3, 12
+STEADY = 2e-3
+MOST_CYCLES = 12
 SLIDES = (
     "in the plane problem next to the front all of the contact would slide: K_T and K_S are too "
     "large for its friction"

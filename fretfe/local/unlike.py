@@ -26,11 +26,14 @@ from fretfe.local.half_planes import WholeHalfPlanes
 
 # Iterations until pressure and shear fit each other, change of the shear over the largest f p with
 # which they do, and with which they will do after all of them.
-MOST_ITERATIONS, SETTLED, ACCEPTED = 60, 1e-8, 1e-4
+MOST_ITERATIONS = 60
+SETTLED = 1e-8
+ACCEPTED = 1e-4
 # Of the place of both edges meanwhile, which is found faster.
 EDGE_ITERATIONS = 2
 # Iterates that are mixed, and steps that count beside the largest of them.
-KEPT, SMALLEST_STEP = 5, 1e-8
+KEPT = 5
+SMALLEST_STEP = 1e-8
 # Places at which the shear is taken, by angles: next to an edge they are nearer to one another.
 ANGLES = 512
 

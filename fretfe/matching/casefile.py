@@ -18,10 +18,13 @@ from fretfe.matching.rig import Rig
 FIRST_LINE = "# A laboratory test, written by fretfe match."
 # Widest pad over its radius, as the templates need it, and surface that may touch beyond a flat,
 # over the largest contact beyond it.
-WIDEST_PAD, ZONE = 0.9, 1.6
+WIDEST_PAD = 0.9
+ZONE = 1.6
 # Largest change of any value from mesh to mesh.
 TOLERANCE = 0.005
-PRESSING, CYCLES, STEPS = 4, 3, 40
+PRESSING = 4
+CYCLES = 3
+STEPS = 40
 HOLD = {"hold": True, "until": 1.0}
 TOP = {"type": "platen", "boundary": "upper_top", "control": "force"}
 

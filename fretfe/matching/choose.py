@@ -24,7 +24,9 @@ from fretfe.matching.spreads import number_spreads, relative_bars
 from fretfe.matching.target import Target
 
 # Radii of rounded ends, and members of a family, that are looked at, and choices that are listed.
-RADII, MEMBERS, LISTED = 10, 9, 5
+RADII = 10
+MEMBERS = 9
+LISTED = 5
 # Tests along a family that are tried first with a bulk stress.
 SAMPLES = 40
 # Difference of misfits that is none.

@@ -30,12 +30,15 @@ from fretfe.report.theme import BLUE, GREEN, GREY, PALE, PICTURE_DPI, PURPLE, ST
 from fretfe.results.writer import prepare_other
 
 # Inches; lengths shown over the one that counts; points of a curve.
-SIZE, PAIR = (6.4, 4.4), (6.4, 7.4)
-SHOWN, POINTS = 3.0, 400
+SIZE = (6.4, 4.4)
+PAIR = (6.4, 7.4)
+SHOWN = 3.0
+POINTS = 400
 # Of tests; of more than three they begin again.
 LOOKS = ((VERMILLION, "--"), (GREEN, "-."), (PURPLE, ":"))
 NAMES = {"cylinder": "cylinder", "flat_rounded": "flat and rounded", "wedge": "wedge"}
-NUMBERS, PICTURE = "match.json", "match.png"
+NUMBERS = "match.json"
+PICTURE = "match.png"
 SCHEMA = {"name": "fretfe-match", "version": 2}
 # Slip zones of a test, which stand in one list.
 ZONES = ("slip_long", "slip_short")

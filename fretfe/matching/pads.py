@@ -19,7 +19,8 @@ from fretfe.errors import ModelError
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
 # Tolerances of roots, relative.
-EXACT, NEWTON = 1e-14, 60
+EXACT = 1e-14
+NEWTON = 60
 
 
 @dataclass(frozen=True)

@@ -40,7 +40,8 @@ DIRECTIONS = 24
 ISOTROPIC = 1e-11
 # Distance of eigenvalues p, and part of the stiffness that moves them apart by about its root,
 # below which eigenvectors lose more digits than the change costs.
-DISTINCT, SEPARATION = 1e-4, 1e-11
+DISTINCT = 1e-4
+SEPARATION = 1e-11
 
 
 def cubic(c11: float, c12: float, c44: float) -> Array:

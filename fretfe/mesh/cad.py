@@ -40,7 +40,8 @@ UNITS = {
 }
 # Heights above z = 0 below this fraction of the size of the geometry are round-off of CAD programs;
 # OpenCASCADE adds its tolerance of 1e-7, in any unit, to every box.
-PLANE_TOLERANCE, BOX_TOLERANCE = 1e-7, 2e-7
+PLANE_TOLERANCE = 1e-7
+BOX_TOLERANCE = 2e-7
 HEADS = {
     ".brep": (re.compile(rb"CASCADE Topology V\d"), "'CASCADE Topology' in its first lines"),
     ".step": (re.compile(rb"\AISO-10303-21\s*;"), "ISO-10303-21; at its start"),

@@ -35,9 +35,15 @@ from fretfe.mesh.gmsh import ElementBlock, RawMesh
 
 Blocks = Mapping[str, list[ElementBlock]]
 # Seconds for reading a file, and for each megabyte of it; in all, for meshing what was read.
-READING, READING_MEGABYTE, MESHING = 20.0, 20.0, 3600.0
+READING = 20.0
+READING_MEGABYTE = 20.0
+MESHING = 3600.0
 # Files in the folder that both processes know. The first process writes the work, nobody else.
-WORK, OPENED, MESH, ERROR, MESSAGES = "work", "opened", "mesh.npz", "error", "messages"
+WORK = "work"
+OPENED = "opened"
+MESH = "mesh.npz"
+ERROR = "error"
+MESSAGES = "messages"
 ERRORS = {each.__name__: each for each in (CaseError, DependencyError, MeshError)}
 
 

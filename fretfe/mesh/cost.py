@@ -23,19 +23,28 @@ from fretfe.mesh.elements import CORNERS
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 
 # Entries of a symmetric factor in the plane over the unknowns, by the binary logarithm of these.
-ENTRIES, FEWER, FEWEST = 12.0, 90.0, 20.0
+ENTRIES = 12.0
+FEWER = 90.0
+FEWEST = 20.0
 # Entries of a symmetric factor in space over the squares of the separators of nested dissection,
 # summed over so many levels, and over the unknowns; unknowns of a separator over its corner nodes,
 # for each component, by the degree of the displacements.
-PER_SQUARE, LEVELS, REST, PER_CORNER = 0.84, 6, 420.0, {1: 1.0, 2: 4.0}
+PER_SQUARE = 0.84
+LEVELS = 6
+REST = 420.0
+PER_CORNER = {1: 1.0, 2: 4.0}
 # The same over the unknowns to the power of 4/3 for bodies about as long as wide and high.
-ENTRIES_IN_SPACE, POWER_IN_SPACE = 27.0, 4 / 3
+ENTRIES_IN_SPACE = 27.0
+POWER_IN_SPACE = 4 / 3
 # Bytes for an entry of a factor, those included that MUMPS needs until it is done; for an unknown's
 # rows of the stiffness, mesh and spaces; for everything that does not grow.
-PER_ENTRY, PER_UNKNOWN, ALWAYS = 10.0, {2: 1200.0, 3: 3500.0}, 2.0e8
+PER_ENTRY = 10.0
+PER_UNKNOWN = {2: 1200.0, 3: 3500.0}
+ALWAYS = 2.0e8
 # Displacements of degree 1 over elements, in large meshes of triangles and of tetrahedra; unknowns
 # of meshes that fit everywhere.
-UNKNOWNS_PER_ELEMENT, FEWEST_UNKNOWNS = {2: 1.0, 3: 0.54}, 1000
+UNKNOWNS_PER_ELEMENT = {2: 1.0, 3: 0.54}
+FEWEST_UNKNOWNS = 1000
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
 MATRICES = 5.5
 # Part of the memory of the machine from which on factors go to disk: two ranks condense two bodies
@@ -45,19 +54,26 @@ IN_MEMORY = 0.5
 MOST = 0.5
 # With factors on disk: bytes for an unknown; the largest fronts, over the square of the unknowns of
 # the last one, the contact tractions among them.
-PER_UNKNOWN_ON_DISK, FRONTS = {2: 1000.0, 3: 2200.0}, 1.6
+PER_UNKNOWN_ON_DISK = {2: 1000.0, 3: 2200.0}
+FRONTS = 1.6
 # Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
 # and what does not grow.
 FACTORISING = {2: (3.0e-8, 1.5), 3: (1.7e-9, 2.0)}
-ASSEMBLING, STARTING = {2: 1.2e-5, 3: 2.5e-5}, 3.0
+ASSEMBLING = {2: 1.2e-5, 3: 2.5e-5}
+STARTING = 3.0
 # Seconds by powers of the number of contact tractions: a factorisation of the interface, of which a
 # history needs a few; a step, its evaluation included.
-INTERFACE, ORDERS, STEP_SQUARED, STEP = 3.0e-11, 3, {2: 8.0e-9, 3: 4.0e-8}, 5.0e-3
+INTERFACE = 3.0e-11
+ORDERS = 3
+STEP_SQUARED = {2: 8.0e-9, 3: 4.0e-8}
+STEP = 5.0e-3
 # Seconds behind the last step: for each unknown and station of a front its edge factors, local
 # problems included; for each unknown and state its fields; pictures and report, and for each
 # unknown.
-EDGES, FIELDS = {2: 4.0e-6, 3: 3.0e-6}, {2: 2.0e-6, 3: 3.0e-6}
-DRAWING, PICTURES = 4.0, {2: 3.0e-5, 3: 5.0e-5}
+EDGES = {2: 4.0e-6, 3: 3.0e-6}
+FIELDS = {2: 2.0e-6, 3: 3.0e-6}
+DRAWING = 4.0
+PICTURES = {2: 3.0e-5, 3: 5.0e-5}
 # What makes a model smaller, in the plane and in space.
 PROPOSALS = {
     2: "make the elements larger away from the contact edges (growth, body_size), or use "

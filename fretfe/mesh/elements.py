@@ -109,7 +109,8 @@ SHAPE_DIMENSIONS = MappingProxyType(
     {"line": 1, "triangle": 2, "quadrilateral": 2, "tetrahedron": 3, "hexahedron": 3}
 )
 # Nodes on their edges only: elements of order 2 without the nodes inside.
-SERENDIPITY_QUADRILATERAL, SERENDIPITY_HEXAHEDRON = 16, 17
+SERENDIPITY_QUADRILATERAL = 16
+SERENDIPITY_HEXAHEDRON = 17
 # Gmsh types and shapes by dimension and number of nodes.
 TYPES = {
     (SHAPE_DIMENSIONS[shape], CORNERS[shape] + (len(MIDDLES[shape]) if order == 2 else 0)): number
@@ -123,7 +124,8 @@ SHAPES = {key: ELEMENTS[number][0] for key, number in TYPES.items() if number in
 PRISMATIC = MappingProxyType(
     {6: ("prism", 1), 13: ("prism", 2), 7: ("pyramid", 1), 14: ("pyramid", 2)}
 )
-SERENDIPITY_PRISM, SERENDIPITY_PYRAMID = 18, 19
+SERENDIPITY_PRISM = 18
+SERENDIPITY_PYRAMID = 19
 # Gmsh types and shapes of solid cells by their number of nodes, these among them.
 SOLID_TYPES = {count: kind for (dimension, count), kind in TYPES.items() if dimension == 3} | {
     **{6: 6, 15: SERENDIPITY_PRISM, 18: 13},

@@ -49,7 +49,8 @@ WITHOUT_ROOT = (
     "-m pip install --force-reinstall --no-deps -i https://gmsh.info/python-packages-dev-nox gmsh"
 )
 # What Gmsh calls the groups of bodies and of boundaries, by dimension of the mesh.
-BODY_KINDS, BOUNDARY_KINDS = {2: "surface", 3: "volume"}, {2: "curve", 3: "surface"}
+BODY_KINDS = {2: "surface", 3: "volume"}
+BOUNDARY_KINDS = {2: "curve", 3: "surface"}
 
 
 def import_gmsh() -> ModuleType:

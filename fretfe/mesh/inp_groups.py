@@ -33,7 +33,8 @@ UNSUPPORTED = {
 # Points with a mass and surfaces without stiffness: a model without them has the same statics.
 HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
 # Elements of bodies, and those that may stand for their facets, by dimension.
-BODY_ELEMENTS, FACET_ELEMENTS = {2: PLANE, 3: SOLID}, {2: LINE, 3: PLANE}
+BODY_ELEMENTS = {2: PLANE, 3: SOLID}
+FACET_ELEMENTS = {2: LINE, 3: PLANE}
 # Numbers of materials that differ by less, relatively, are the same.
 SAME = 1e-6
 

@@ -40,8 +40,10 @@ from fretfe.mesh.templates import Template, find_template, read_template
 from fretfe.mesh.xdmf import read_xdmf
 
 # Growth of the element size per distance from the contact surfaces.
-GROWTH, GROWTH_IN_SPACE = 0.2, 0.35
-FRONT, BACK = "front", "back"
+GROWTH = 0.2
+GROWTH_IN_SPACE = 0.35
+FRONT = "front"
+BACK = "back"
 
 # The vertices (rank 0, 1 or 2; lower or upper layer) of the three tetrahedra of a prism.
 _TETRAHEDRA = (

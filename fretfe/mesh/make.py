@@ -34,9 +34,13 @@ FEW_LINES = 1e7
 # More elements than any case needs.
 MOST_ELEMENTS = 5e6
 # Factors of all element sizes: for a first look at the curves, and for meshes that become finer.
-FIRST, COARSE, STEP, FINEST = 4096.0, 256.0, 4.0, 4.0
+FIRST = 4096.0
+COARSE = 256.0
+STEP = 4.0
+FINEST = 4.0
 # Elements along all curves that a coarse mesh may have; cells from which their number tells enough.
-ALONG_CURVES, ENOUGH = 2000, 5000
+ALONG_CURVES = 2000
+ENOUGH = 5000
 # Equilateral triangles on the square of their side.
 PER_SQUARE = 4 / math.sqrt(3)
 FACTOR = "Mesh.MeshSizeFactor"

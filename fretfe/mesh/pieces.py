@@ -29,11 +29,13 @@ from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 
 # Nodes nearer than this part of the shortest facets around them are meant to be one: within a
 # piece, where a slot may be narrow, and between pieces, which are either joined or apart.
-NEAR_IN_PIECE, NEAR_BETWEEN = 1e-3, 0.05
+NEAR_IN_PIECE = 1e-3
+NEAR_BETWEEN = 0.05
 # Depth below a facet, in parts of its size, up to which a node is on it in spite of round-off.
 ROUND_OFF = 1e-6
 # Parts of its size by which the nearest place of a curved facet may be beside its flat one.
-BESIDE, ABOVE = 0.1, 0.5
+BESIDE = 0.1
+ABOVE = 0.5
 
 
 @dataclass(frozen=True)

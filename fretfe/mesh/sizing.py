@@ -20,14 +20,16 @@ from fretfe._typing import Array
 Mirror = Callable[[Array], Array]
 
 # Far away: elements over the diagonal of the geometry, and elements around a full circle.
-FEWEST_ACROSS, AROUND_CIRCLE = 12, 16
+FEWEST_ACROSS = 12
+AROUND_CIRCLE = 16
 # Elements between a corner of a contact surface and the nearest fine place.
 TO_CORNER = 8
 # Elements along the shorter surface of a contact where nothing else makes them finer.
 ALONG_CONTACT = 40
 # Corners: the tangent turns by more than this angle, or the curvature changes by more than this
 # fraction of the larger one.
-SHARP, KINK = 1e-3, 0.1
+SHARP = 1e-3
+KINK = 0.1
 # Step of differences, as a fraction of the parameter range of a curve.
 DIFFERENCE = 1e-3
 # Points of each curve at which distances from it are taken.

@@ -22,8 +22,10 @@ from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, subjects
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
 
-MEAN, START = "about another mean", "from another start"
-MESH, FINE = "on a coarser mesh", "on a finer mesh"
+MEAN = "about another mean"
+START = "from another start"
+MESH = "on a coarser mesh"
+FINE = "on a finer mesh"
 CUT = "by a second cut inside"
 
 # The mean moves by this fraction of the range of each load.
@@ -32,7 +34,9 @@ MEAN_SHIFT = 0.1
 OVERLOAD = 0.15
 # Elements of the other mesh over those of the case: a coarser one costs less than half. Solids with
 # fewer elements than this over the half-width get a finer one: a coarser one may show no fronts.
-COARSER, FINER, FEWEST_ELEMENTS = 1.5, 1 / 1.4, 12.0
+COARSER = 1.5
+FINER = 1 / 1.4
+FEWEST_ELEMENTS = 12.0
 MESHES = {MESH: COARSER, FINE: FINER}
 CYCLES = 2
 EXCURSION_STEPS = 6
@@ -46,7 +50,8 @@ STEADY: dict[str, tuple[str, Verdict]] = {
 }
 # Halving the elements would change a first-order quantity by this many times the difference.
 EXTRAPOLATION = 1 / (COARSER - 1)
-MESH_TOLERANCE, SLIP_TOLERANCE = 0.02, 0.05
+MESH_TOLERANCE = 0.02
+SLIP_TOLERANCE = 0.05
 # What a cut does to ΔK_T falls with the fourth power of its distance: the case has so much of the
 # change to the second cut.
 CUT_SHARE = 1 / (NEARER**-4 - 1)

@@ -23,7 +23,8 @@ from fretfe.verdict import Verdict
 Measure = Callable[[Result], float]
 FAILURES = (Verdict.DIFFERS, Verdict.FAILED, Verdict.NOT_CAUGHT)
 SCHEMA = {"name": "fretfe-verify", "version": 2}
-TEXTS, NUMBERS = ("quantity", "backend"), ("computed", "reference", "difference", "tolerance")
+TEXTS = ("quantity", "backend")
+NUMBERS = ("computed", "reference", "difference", "tolerance")
 
 
 @dataclass(frozen=True)

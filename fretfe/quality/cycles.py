@@ -14,7 +14,11 @@ from fretfe.quality import measures, pads
 from fretfe.quality.comparison import Benchmark, Measure, Quantity
 from fretfe.quality.pads import HOLD, Pad, pad_case, press, ramp, rocking_case, wave
 
-HALF_WIDTH, RADIUS, E_STAR, FRICTION, PEAK_PRESSURE = 1.0, 50.0, 100.0, 0.5, 1.0
+HALF_WIDTH = 1.0
+RADIUS = 50.0
+E_STAR = 100.0
+FRICTION = 0.5
+PEAK_PRESSURE = 1.0
 POISSON = 0.3
 # Both bodies alike: 1/E* = 2 (1 - nu^2)/E.
 YOUNG = 2 * (1 - POISSON**2) * E_STAR
@@ -23,8 +27,12 @@ NORMAL_FORCE = pads.hertz_load(HALF_WIDTH, RADIUS, E_STAR)
 STEPS = 72
 # Unlike bodies: steps in a cycle, and known values at the left and the right edge.
 UNLIKE_STEPS = 16
-UNLIKE_SLIP, UNLIKE_K_N, UNLIKE_RANGE = (0.17360, 0.15306), (1.43094, 1.39545), 0.105826
-ANGLE, PUNCH_RADIUS, FLAT = 0.5, 100.0, 0.5
+UNLIKE_SLIP = (0.17360, 0.15306)
+UNLIKE_K_N = (1.43094, 1.39545)
+UNLIKE_RANGE = 0.105826
+ANGLE = 0.5
+PUNCH_RADIUS = 100.0
+FLAT = 0.5
 STICK = 0.85
 BODIES = {"upper_width": 30.0, "upper_height": 30.0, "lower_width": 60.0, "lower_height": 60.0}
 
@@ -75,7 +83,8 @@ LOOPS = (
     Loop(0.15, 0.30, 90.0, (0.1090, 0.1043), (0.1061, 0.1061)),
     Loop(0.30, 0.30, 60.0, (0.2098, 0.1393), (0.1984, 0.1299)),
 )
-TENSION_ONLY, LAGGING = LOOPS[2], LOOPS[5]
+TENSION_ONLY = LOOPS[2]
+LAGGING = LOOPS[5]
 
 
 def hertz_pad(friction: float = FRICTION) -> Pad:

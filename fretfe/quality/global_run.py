@@ -33,7 +33,8 @@ from fretfe.results.reader import load_result
 from fretfe.surface.surface import normal_vectors
 
 # Distance of the second cut over that of the first one, and over that of the edges at least.
-NEARER, ROOM = 2 / 3, 1.1
+NEARER = 2 / 3
+ROOM = 1.1
 # Times of states that differ by less than this part of the whole run are the same.
 SAME_STATE = 1e-6
 # Largest difference of force and moment, relative to their largest value; from which it is warned.

@@ -11,13 +11,17 @@ from fretfe.quality.comparison import Benchmark, Measure, Quantity
 from fretfe.quality.pads import FACES, HOLD, Pad, hertz_parameters, pad_case, press, ramp
 
 # Published numbers have six digits. Fits of K_N promise a thousandth.
-DIGITS, FITTED = 5e-6, 1e-3
+DIGITS = 5e-6
+FITTED = 1e-3
 SHEAR_STEPS = 8
 MESH = Path(__file__).with_name("sliding_wedge.msh")
-SLOPE, FRICTION = 0.1, 0.3
+SLOPE = 0.1
+FRICTION = 0.3
 # The force gives a mean pressure of 0.25 % of E: elastic displacements are a few thousandths of the
 # length, and the push makes all of the contact slip.
-YOUNG, FORCE, PUSH = 200e3, 1000.0, 0.02
+YOUNG = 200e3
+FORCE = 1000.0
+PUSH = 0.02
 
 
 def relative(

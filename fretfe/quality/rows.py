@@ -52,7 +52,8 @@ SHEAR_AGREEMENT = 0.03
 # front.
 REACH_AGREEMENT = 0.02
 STEADY = 1e-3
-CERTIFIED, BALANCED = 1e-6, 1e-8
+CERTIFIED = 1e-6
+BALANCED = 1e-8
 # Share of the stations that must agree, as error bars hold for 95 %.
 WITHIN = 0.9
 # Share of the stations that must have a number to compare.

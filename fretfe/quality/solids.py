@@ -23,23 +23,34 @@ from fretfe.quality.comparison import Benchmark, Measure, Quantity
 from fretfe.quality.pads import FACES, HOLD, press, ramp
 from fretfe.results.model import Result
 
-YOUNG, FRICTION, RADIUS = 2e5, 0.5, 50.0
+YOUNG = 2e5
+FRICTION = 0.5
+RADIUS = 50.0
 # A contact of radius 1 on a sphere: two bodies, no Poisson's ratio, E* = E/2.
 SPHERE_FORCE = 2 * YOUNG / (3 * RADIUS)
 SPHERE_PEAK = 3 * SPHERE_FORCE / (2 * math.pi)
 # Q over f P, elements over the radius of the contact, and steps from one extreme to the other.
-SPHERE_SHARE, SPHERE_ELEMENTS, SPHERE_STEPS = 0.5, 8, 6
+SPHERE_SHARE = 0.5
+SPHERE_ELEMENTS = 8
+SPHERE_STEPS = 6
 # M over that at which all of the contact slips, 3 pi f P a/16.
 TWIST_SHARE = 0.3
 # Half axes of the ellipse along x and z, Poisson's ratio, Q over f P and its angle from x.
-SHORT, LONG, ELLIPSE_POISSON, ELLIPSE_SHARE, ANGLE = 1.0, 1.5, 0.3, 0.2, 45.0
+SHORT = 1.0
+LONG = 1.5
+ELLIPSE_POISSON = 0.3
+ELLIPSE_SHARE = 0.2
+ANGLE = 45.0
 # Its elements and bodies. Where the front curves most its radius is SHORT^2/LONG = 0.67: six to
 # seven elements. With fewer than six there is no K_N.
 ELLIPSE_SIZES = {"size": 0.1, "upper_width": 12.0, "upper_height": 12.0, "growth": 0.5}
 STATIONS = 12
 # The plane contact: forces per length, length and layers of the solid.
 PAD_MESH = Path(__file__).with_name("pad.msh")
-PAD_FORCE, PAD_SHEAR, PAD_LENGTH, PAD_LAYERS = 6.0, 1.5, 1.0, 4
+PAD_FORCE = 6.0
+PAD_SHEAR = 1.5
+PAD_LENGTH = 1.0
+PAD_LAYERS = 4
 
 
 def solid_benchmarks() -> tuple[Benchmark, ...]:

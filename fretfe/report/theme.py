@@ -28,10 +28,17 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 from fretfe._typing import Array, Indices
 from fretfe.files import replacing
 
-BLUE, VERMILLION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
-SKY, PURPLE, GREY, PALE = "#56B4E9", "#CC79A7", "#555555", "#E4E4E4"
+BLUE = "#0072B2"
+VERMILLION = "#D55E00"
+GREEN = "#009E73"
+ORANGE = "#E69F00"
+SKY = "#56B4E9"
+PURPLE = "#CC79A7"
+GREY = "#555555"
+PALE = "#E4E4E4"
 # Of lines of equal rank; with more of them the colours begin again, with other markers.
-CYCLE, MARKERS = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY), "os^Dv"
+CYCLE = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY)
+MARKERS = "os^Dv"
 # Perceptually uniform, and in order for colour-blind readers and in grey.
 COLOURS = "viridis"
 # Tints of bodies, which stay apart in grey; with more bodies they begin again.
@@ -50,15 +57,25 @@ BOUNDARY: dict[str, Any] = {"color": "#202020", "linewidth": 1.4, "linestyle": (
 HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 
 # Inches. A plot of the page, of which two stand side by side (96 pixels an inch), and a picture.
-WIDTH, PICTURE_WIDTH, PICTURE_HEIGHT = 5.6, 10.4, 8.4
+WIDTH = 5.6
+PICTURE_WIDTH = 10.4
+PICTURE_HEIGHT = 8.4
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
-FRAME_WIDTH, DURATION = 6.4, 4000
+FRAME_WIDTH = 6.4
+DURATION = 4000
 # Height of a plot with little in it, of one panel, of each load, of two and of three panels.
-LOW, SINGLE, LOAD, DOUBLE, TRIPLE = 2.8, 3.6, 1.5, 5.4, 7.0
+LOW = 2.8
+SINGLE = 3.6
+LOAD = 1.5
+DOUBLE = 5.4
+TRIPLE = 7.0
 # Dots per inch of maps within plots, of pictures, and of figures that are files of their own.
-MAP_DPI, PICTURE_DPI, FILE_DPI = 200, 150, 150
+MAP_DPI = 200
+PICTURE_DPI = 150
+FILE_DPI = 150
 # Points: headings, and texts that come second.
-HEADING, SMALL = 11.0, 8.5
+HEADING = 11.0
+SMALL = 8.5
 
 STYLE: Any = {
     "font.size": 9.5,

@@ -24,7 +24,8 @@ from typing import Any
 from fretfe.errors import OutputError
 from fretfe.files import disk_reason, file_fault, open_own, replace_text
 
-MARK, LOCK = "run.json", "run.lock"
+MARK = "run.json"
+LOCK = "run.lock"
 SCHEMA = {"name": "fretfe-run", "version": 1}
 KEY = "digest"
 FINISHED = "finished"

@@ -39,7 +39,8 @@ from fretfe.loads import History
 if TYPE_CHECKING:
     import xarray as xr
 
-CYCLES_FILE, STATIONS_FILE = "cycles.csv", "stations.csv"
+CYCLES_FILE = "cycles.csv"
+STATIONS_FILE = "stations.csv"
 AXES = "xyz"
 # Kinds of quantities and their units, plane bodies per unit thickness. Solids differ in some.
 UNITS = {
@@ -117,7 +118,8 @@ def _fields(owner: type, names: Iterable[str]) -> list[Column]:
 
 CONTACTS = _fields(Contact, histories(Contact))
 FACTORS = _fields(Station, histories(StationHistory))
-HISTORIES, NUMBERS = histories(StationHistory), quantities(Station)
+HISTORIES = histories(StationHistory)
+NUMBERS = quantities(Station)
 
 
 def _number(name: str, meaning: str = "", read: str = "") -> Column:

@@ -43,11 +43,14 @@ from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
 SCHEMA = {"name": "fretfe-results", "version": 9}
-NUMBERS, ARRAYS, REPORT = "results.json", "results.h5", "report.html"
+NUMBERS = "results.json"
+ARRAYS = "results.h5"
+REPORT = "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
 TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
 # Where pictures are in a results folder, and what lists them there.
-PICTURES, PICTURE_LIST = "pictures", "pictures.json"
+PICTURES = "pictures"
+PICTURE_LIST = "pictures.json"
 PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
 # Files of a run beside its pictures, the numbers first.
 RESULT_FILES = (

@@ -55,7 +55,8 @@ JUDGED = (
     "scatter_share",
     "edge_share",
 )
-STRENGTH, PICTURE = "strength.json", "strength.png"
+STRENGTH = "strength.json"
+PICTURE = "strength.png"
 
 
 def plot_strength(found: StrengthMap) -> Figure:

@@ -21,7 +21,9 @@ from fretfe.strength.fit import SAME, LifeFit, StrengthTests, fit_life, read_tes
 SMALL = 0.05
 # Tests agree with a contact if friction and Young's modulus do to these fractions, and Poisson's
 # ratio to this difference. Friction of a test is hardly known better.
-FRICTION, YOUNG, POISSON = 0.1, 0.05, 0.02
+FRICTION = 0.1
+YOUNG = 0.05
+POISSON = 0.02
 
 
 @dataclass(frozen=True)

@@ -32,13 +32,17 @@ if TYPE_CHECKING:
     from fretfe.fields.field import Cells, Field, Quantity
 
 # Names of arrays beside those of the loads, whose names have no blanks.
-TIMES, ROUNDING, NUMBERED = "times of steps", "rounding of values", "numbers of steps"
+TIMES = "times of steps"
+ROUNDING = "rounding of values"
+NUMBERED = "numbers of steps"
 # Shapes are taken until the rest is below this part of the field,
 EXACT = 1e-10
 # or its rounding; or, where it has few digits, with so many of them below that.
-ROUNDED, FEW = 1e-6, 20
+ROUNDED = 1e-6
+FEW = 20
 # Random sums of the steps that stand for all of them if they leave out less than this part of that.
-SUMS, SPANNED = 64, 0.1
+SUMS = 64
+SPANNED = 0.1
 # What is wanted of a load, and what to do if there is none of it.
 AT_REST = ("displacement", "hold a boundary at rest by a support instead, fix = ['x', 'y']")
 UNCHANGED = ("change of temperature", "leave the load out")
@@ -48,10 +52,12 @@ SAME = 1e-6
 ROUND_OFF = 1e-13
 # Seconds that finding a place may take, and beginning to read a step, on a busy machine: a hundred
 # times what is usual.
-PLACE, STEP = 0.02, 1.0
+PLACE = 0.02
+STEP = 1.0
 # Points of a field without elements that are looked at around each place, by dimension; if those do
 # not surround all places, as in long elements.
-AROUND, FAR_AROUND = {2: 12, 3: 32}, 256
+AROUND = {2: 12, 3: 32}
+FAR_AROUND = 256
 # Parts of its size that a field may miss a cut by as a part does; farther away it is another unit.
 ELSEWHERE = 5.0
 

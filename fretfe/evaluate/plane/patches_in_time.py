@@ -24,7 +24,8 @@ from fretfe.history.state_array import StateArray, blocks, mapped, part, picked
 # Patches that carry less than this share of the normal force are traces of round-off.
 SMALLEST_PATCH = 1e-3
 # Fewer nodes than this have to carry a larger share: single nodes next to a patch may close.
-FEWEST_NODES, SHARE_OF_FEW = 3, 0.05
+FEWEST_NODES = 3
+SHARE_OF_FEW = 0.05
 # Places are told to about this many digits of the length of the surface.
 PLACES = 3
 

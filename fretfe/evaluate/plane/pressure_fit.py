@@ -28,7 +28,9 @@ from fretfe.evaluate.numerics import FARTHEST, HIGHEST, average, edge_terms, wei
 from fretfe.evaluate.plane.section import Patch, PlaneFront, Section
 from fretfe.evaluate.withheld import Lack, Withheld
 
-ALTERNATING, DECAY, TAIL = 0.8, 0.95, 0.02
+ALTERNATING = 0.8
+DECAY = 0.95
+TAIL = 0.02
 # Of the median of the absolute values of normal deviates.
 MEDIAN_OF_NORMAL = 0.6745
 # Round-off, relative to the largest pressure.
@@ -41,19 +43,23 @@ FEWEST_NODES = 1 + SHORTEST + FAR
 # What a rise of the pressure over few elements hides, times the square of their number: relative
 # error of K_N, and error of the edge in elements. From finite elements with 5 to 100 elements over
 # the rounded part.
-COARSE_K_N, COARSE_POSITION = 2.0, 5.0
+COARSE_K_N = 2.0
+COARSE_POSITION = 5.0
 # The rise ends where the pressure has this part of its largest value on the same side.
 RISEN = 0.9
 # If the lowest orders over the longest window give the same K_N as all fits but for SMOOTH, even a
 # rise over few elements hides little: SMOOTHEST of the above at least.
-SMOOTH, SMOOTHEST = 0.03, 0.15
+SMOOTH = 0.03
+SMOOTHEST = 0.15
 # Elements that are so many times as long in the mean of the rise as at the edge grow inward; what
 # they hide at least is that times this as much. Measured on half-planes whose edges move.
-UNEVEN, GRADED = 1.3, 2.7
+UNEVEN = 1.3
+GRADED = 2.7
 # Fits that disagree over few elements hardly know how well they know anything: a relative error of
 # K_N of a DOUBTFUL-th of the number of elements of the rise doubles it. The edge never is off by
 # many elements: its bar becomes so many times as large at most.
-DOUBTFUL, LARGEST_DOUBT = 12.0, np.array([[1.5], [np.inf]])
+DOUBTFUL = 12.0
+LARGEST_DOUBT = np.array([[1.5], [np.inf]])
 
 # Half-width of the 95 % interval over the estimated error, of the edge and of K_N. The edge depends
 # on the outermost nodes, whose error is rather assumed too large.
@@ -61,12 +67,15 @@ INTERVALS = np.array([[1.33], [1.72]])
 # What that becomes, as a factor, for pressures out of a solver, which have no noise: the errors of
 # windows and orders, whose scatter counts in full, largely cancel in the mean, unless the longest
 # window is far off.
-OFF, SOLVED = (0.05, 0.25), (0.5, 1.25)
+OFF = (0.05, 0.25)
+SOLVED = (0.5, 1.25)
 # Error of K_N between unlike bodies, over |lambda - 1/2| of an edge that slides: with slip zones of
 # some elements at least, and how much larger with fewer, up to so many times. Coarse half-planes
 # beside fine ones, and solids with their pressures, are off by up to 2.8 with less than an element
 # to a zone, 2.7 with one, 2.2 with two and .7 with more than four.
-BEYOND_SLIP, WINDOW, MOST_BEYOND = 0.75, 6.0, 4.0
+BEYOND_SLIP = 0.75
+WINDOW = 6.0
+MOST_BEYOND = 4.0
 # Nodes from the edge to the largest pressure that a fit needs to tell a root from something else:
 # half of those that are wanted over a contact.
 WANTED_OVER_RISE = 8

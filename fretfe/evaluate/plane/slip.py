@@ -25,7 +25,8 @@ NODAL_ERROR = 0.05
 INTERVAL = 2.0
 # Error bar of a border behind few slipping nodes, in elements, times their number to the power of
 # 1.5: what they hide. Without a fit it is UNSEEN elements.
-FEW, UNSEEN = 2.4, 1.5
+FEW = 2.4
+UNSEEN = 1.5
 # Slip of less than so many standard deviations of the noise takes no part.
 HIDDEN = 5.0
 # Slip of sticking nodes below this fraction of the largest slip is round-off, no noise.

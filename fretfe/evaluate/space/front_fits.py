@@ -26,7 +26,8 @@ from fretfe.history.state_array import blocks
 NEXT_TO_FRONT = 2.5
 # Nodes of a sector whose distances from the front differ by less than this part of an element make
 # one row along it; rows begin so many elements outside the reference front.
-ROW, BEGIN = 0.5, 2.0
+ROW = 0.5
+BEGIN = 2.0
 # Elements from the front in which nothing is known of the shear that is missing: the status of the
 # outermost nodes means nothing.
 OUTERMOST = 1.0

@@ -46,7 +46,8 @@ POINTS = {True: 40, False: 0}
 KNOWN_POINTS = 0.5
 # Fits look no farther than this part of the way to the middle of the contact, and of the radius of
 # curvature.
-FARTHEST, NO_FARTHER = 1.5, 0.9
+FARTHEST = 1.5
+NO_FARTHER = 0.9
 # Steps of the search for the other side of the contact, along `inward`.
 STEPS = 200
 # Distance of a front from the stations' reference, in elements, up to which the same sectors serve.
@@ -80,7 +81,8 @@ BY_OUTLINE = 0.35
 # Nodes within this distance of a front, in elements across it, are in an area or not by it, unless
 # the nearest station is not known; others are as they were. Beyond its last station a front goes on
 # straight, as far as that many times the spacing of stations.
-BAND, BEYOND = 2.0, 3.0
+BAND = 2.0
+BEYOND = 3.0
 
 
 class SpaceFront:

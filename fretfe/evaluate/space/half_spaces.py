@@ -27,7 +27,8 @@ from fretfe.evaluate.space.sectors import Frames
 from fretfe.history.solution import ContactHistory, Factor, Solution
 
 # Deviation of an ellipse, and of its half axes in a circle, over the radius.
-ELLIPSE, CIRCLE = 0.03, 0.03
+ELLIPSE = 0.03
+CIRCLE = 0.03
 # A force that makes less than this part of the largest factor says nothing of it.
 LEAST = 0.02
 OPEN_FRONT = "the front is open"

@@ -48,7 +48,9 @@ NARROWEST = 0.2
 # Powers of the gap: of a cylinder, whose fronts are straight; of what is round, under shear; and
 # under twist, by which slip zones are within 1 % of those of a twisted sphere (Lubkin 1951) as far
 # as .3 of its radius.
-STRAIGHT, ROUND, TWISTED = 2.0, 3.0, 3.5
+STRAIGHT = 2.0
+ROUND = 3.0
+TWISTED = 3.5
 # Where a front is concave the contact grows less; below this the pressure has a peak in its middle.
 LEAST_POWER = 1.5
 # Nodes whose slip in a half cycle is below this fraction of the largest have not slipped: before a

@@ -37,10 +37,12 @@ REACH = 2
 # The series of a Hertzian contact converges as far as so many half-widths. Windows that go beyond
 # those of the contact whose pressure falls as fast are left out: a rounding may end there, and the
 # pressure be another function. Those of so many elements, the least for two orders, are not.
-CONVERGES, SHORTEST = 2.0, 6.0
+CONVERGES = 2.0
+SHORTEST = 6.0
 # Scatter of a moment relative to it, times the distance of bumps in elements; more of the first
 # two, which hold the front.
-SCATTER, FIRST = 0.004, 0.01
+SCATTER = 0.004
+FIRST = 0.01
 # Half-width of the 95 % interval over the estimated error, of the place and of K_N.
 INTERVALS = np.array([1.5, 1.7])
 # Error of K_N times the square of the number of elements over the half-width of the contact, or

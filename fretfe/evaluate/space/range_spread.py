@@ -25,12 +25,14 @@ from fretfe.history.solution import Factor
 WITHIN_ELEMENT = 0.35
 # Integrals reach no farther from the front than these parts of the half of the width of the contact
 # and of the radius of curvature of the front.
-WIDEST, NARROWEST = 0.4, 0.4
+WIDEST = 0.4
+NARROWEST = 0.4
 # Elements as far as integrals reach, by the shortest of the ways that are compared. Where there is
 # less room all ways are alike, and their difference tells nothing. Error over the elements that
 # are missing, as inverse numbers: at the tips of an ellipse with 2.3 elements ranges are 4.4 % too
 # small where the other parts of the bar are 3.9 %.
-SHORTEST_WAY, CRAMPED = 4.0, 0.15
+SHORTEST_WAY = 4.0
+CRAMPED = 0.15
 
 
 def farthest(depth: float, radius: float) -> float:

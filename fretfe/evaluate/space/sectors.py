@@ -30,12 +30,15 @@ ROWS = 2.0
 WIDEST = 0.7
 # Edges of elements around a station that are looked at, and the nearest of them, of each of the two
 # directions, whose median is the size of an element.
-AROUND, NEAREST = 200, 8
+AROUND = 200
+NEAREST = 8
 # So many times more of them where one of the directions is not among them.
 FARTHER = 4
 # Elements are long along the front from this length over that across it on. So many edges in rows
 # across it are those at the front, in the rows before and behind a station; passes to find them.
-LONG, IN_ROWS, PASSES = 3.0, 4, 3
+LONG = 3.0
+IN_ROWS = 4
+PASSES = 3
 
 
 @dataclass(frozen=True)

@@ -39,7 +39,8 @@ ORDERS = (1, 2, 3)
 SPARE = 3
 # Error bar of a border by the area, in elements, and the least one of a border by fits: nodes slip
 # or stick as a whole, and a border need not run along the front.
-BY_AREA, BY_FIT = 1.0, 0.15
+BY_AREA = 1.0
+BY_FIT = 0.15
 # Part of the way to the middle of the contact that slips, from which all of it does.
 GROSS = 0.98
 # Part of the way of the mean slip that goes in its mean direction, below which it turns: .64 of a

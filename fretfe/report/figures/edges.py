@@ -114,7 +114,8 @@ STATIONS_INTRO = (
     "state to the other counts."
 )
 # Of a figure next to a station: slip zones and elements that it shows, at most to the middle.
-ZONES_SHOWN, ELEMENTS_SHOWN = 4, 6
+ZONES_SHOWN = 4
+ELEMENTS_SHOWN = 6
 
 
 @dataclass(frozen=True)

@@ -66,7 +66,8 @@ LOCAL_INTRO = (
     "where fretting damages the surface; life depends on the stress below it too."
 )
 # Body 1 and body 2, as lines and as markers at the edge.
-BODY_LINES, BODY_MARKERS = ("--", "-"), ("s", "o")
+BODY_LINES = ("--", "-")
+BODY_MARKERS = ("s", "o")
 STRESS_INTRO = (
     "At both edges, largest values in the evaluated cycle, under irregular loads in the worst one; "
     "dashed: body 1, solid: body 2. Above: stress along the surface, at the surface and at the "
@@ -92,9 +93,11 @@ KINDS = {
 }
 # The windows at the edges are this many slip zones wide, and not less than this fraction of the
 # half-width.
-ZONES, NARROWEST = 2.5, 0.02
+ZONES = 2.5
+NARROWEST = 0.02
 # More load steps are not drawn, nor the ends of more slip zones.
-MOST_ROWS, MOST_ZONES = 1500, 50
+MOST_ROWS = 1500
+MOST_ZONES = 50
 NOT_KEPT = "the states are not kept:\n[output] tractions"
 SLIP_INTRO = (
     "Each row is a load step. Body 1 slips over body 2 towards larger x where q > 0, towards "

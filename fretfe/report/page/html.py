@@ -52,7 +52,8 @@ from fretfe.results.writer import REPORT
 # Draws a figure, or some.
 Draw = Callable[[], "Plot | list[Plot] | None"]
 At = tuple[Contact, Front, Station]
-TEMPLATE, STYLE = "report.html.j2", "report.css"
+TEMPLATE = "report.html.j2"
+STYLE = "report.css"
 # Parts of a certificate, in the order of the page, with what they are a violation of.
 CERTIFICATE = {
     "penetration": ("largest penetration", "length"),
@@ -98,7 +99,8 @@ HEADERS = {
     "work": "Friction work",
 }
 # A reference to another page, which a report cannot lead to, and other links.
-REFERENCE, LINK = re.compile(r"\s\(\[[^]]*\]\([^)]*\)\)"), re.compile(r"\[([^]]*)\]\([^)]*\)")
+REFERENCE = re.compile(r"\s\(\[[^]]*\]\([^)]*\)\)")
+LINK = re.compile(r"\[([^]]*)\]\([^)]*\)")
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,8 @@ NOT_KEPT = (
 # Errors of reading a list that is not as it was written.
 DAMAGED = (OSError, AttributeError, KeyError, TypeError, ValueError, RecursionError)
 # Kinds that need fields and are drawn by another process; kinds of files to open.
-BY_CHILD, FILES = ("bodies", "edges", "scene"), ("cycle", "scene")
+BY_CHILD = ("bodies", "edges", "scene")
+FILES = ("cycle", "scene")
 # Seconds for all files of a call.
 TIMEOUT = 600.0
 CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL)

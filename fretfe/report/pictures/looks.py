@@ -24,20 +24,26 @@ from fretfe.results.model import Result
 T = TypeVar("T")
 
 # Panels in one picture.
-MOST_EDGES, MOST_CONTACTS = 4, 4
+MOST_EDGES = 4
+MOST_CONTACTS = 4
 STRESS = "Stress in the bodies at the load extremes"
 
 Kind = Literal["bodies", "edges", "status", "surface", "cycle", "scene"]
 # Of the area that is shown, or of the volume around the contact of solids, per cent that stay below
 # the last colour.
-BODIES_PERCENTAGE, EDGES_PERCENTAGE = 99.8, 98.0
+BODIES_PERCENTAGE = 99.8
+EDGES_PERCENTAGE = 98.0
 # Largest displacement that is drawn, and largest overlap of the bodies, as fractions of their size.
-DRAWN_DISPLACEMENT, DRAWN_OVERLAP = 0.04, 0.003
+DRAWN_DISPLACEMENT = 0.04
+DRAWN_OVERLAP = 0.003
 # Around plane bodies and solids, as a fraction of their size; height of a panel of solids over its
 # width.
-BORDER, SPACE_BORDER, SPACE_ASPECT = 0.03, 0.04, 0.78
+BORDER = 0.03
+SPACE_BORDER = 0.04
+SPACE_ASPECT = 0.78
 # Half the width of the view of an edge: in slip zones, and at most in half-widths of the contact.
-SLIP_ZONES, LARGEST_VIEW = 3.0, 0.3
+SLIP_ZONES = 3.0
+LARGEST_VIEW = 0.3
 # And at least in elements.
 FEWEST_ELEMENTS = 10.0
 # Height of the view of an edge over its width.

@@ -58,18 +58,27 @@ from fretfe.report.theme import (
 from fretfe.results.model import Result
 
 # Line widths of elements of meshes with fewer cells than this, and with more.
-MANY_CELLS, FEW_WIDTH, MANY_WIDTH = 20_000, 0.2, 0.12
+MANY_CELLS = 20_000
+FEW_WIDTH = 0.2
+MANY_WIDTH = 0.12
 # Inches: the bodies without the names beside them, and the panel of a contact.
-BODIES_HEIGHT, BODIES_WIDTH, PANEL_WIDTH, PANEL_HEIGHT = 6.4, 4.8, 3.6, 3.2
+BODIES_HEIGHT = 6.4
+BODIES_WIDTH = 4.8
+PANEL_WIDTH = 3.6
+PANEL_HEIGHT = 3.2
 # Width of the bodies over their height, at least.
 BODIES_ASPECT = 0.6
 # Panels below each other before there is another column, and those that there is room for.
-ROWS, FEWEST_ROWS = 4, 2
+ROWS = 4
+FEWEST_ROWS = 2
 # Around the surfaces of a contact and around the bodies, as a fraction of their size.
 SURROUNDINGS = 0.08
 # Of names, in inches: distance from the next one, from the frame, from their place up or down if
 # there is room; and room for the lines between a column and the bodies.
-SPACING, MARGIN, OFFSET, LEADERS = 0.2, 0.12, 0.18, 0.45
+SPACING = 0.2
+MARGIN = 0.12
+OFFSET = 0.18
+LEADERS = 0.45
 # Straight pieces that a curved edge is drawn with.
 CURVE_PIECES = 6
 # Edges whose middle is off their chord by less than this fraction of it are drawn straight.

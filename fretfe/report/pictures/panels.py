@@ -34,7 +34,8 @@ PASSES = 3
 # Height of a colour bar over its width.
 BAR_ASPECT = 28
 # Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
-TONES, GREYS = 216, 40
+TONES = 216
+GREYS = 40
 
 
 @dataclass(frozen=True)

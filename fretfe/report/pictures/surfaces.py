@@ -59,17 +59,22 @@ BORDER = 0.1
 LOWEST = 0.3
 LEGEND_COLUMNS = 5
 # Colours of the pressure. Places of arrows along the longer side, and along the shorter one.
-LEVELS, ARROWS = 12, (20, 12)
+LEVELS = 12
+ARROWS = (20, 12)
 # Arrows of less shear than this fraction of the largest are left out; length of the longest in
 # distances between arrows, and their width in inches.
-SHORTEST, LONGEST, ARROW_WIDTH = 0.03, 0.95, 0.014
+SHORTEST = 0.03
+LONGEST = 0.95
+ARROW_WIDTH = 0.014
 LINES: dict[str, dict[str, Any]] = {
     "edge of the contact": {"colors": "black", "linewidths": 1.0, "linestyles": "-"},
     "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
 }
 FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
 # Dots per inch of a frame; frames and bytes at most.
-FRAME_DPI, MOST_FRAMES, MOST_BYTES = 100, 60, 2_000_000
+FRAME_DPI = 100
+MOST_FRAMES = 60
+MOST_BYTES = 2_000_000
 
 
 def front_handles(fronts: Sequence[Front]) -> list[Line2D]:

@@ -19,7 +19,8 @@ from fretfe.report.texts import direction_text
 FLAT = 0.99
 # Of a surface that can be unrolled: that cosine at least; tilt of the normals out of the plane in
 # which they turn, over their turning, at most.
-STEEPEST, TWIST = 0.15, 0.15
+STEEPEST = 0.15
+TWIST = 0.15
 
 
 @dataclass(frozen=True)
