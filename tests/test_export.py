@@ -24,6 +24,7 @@ from fretfe.evaluate.contacts import AreaPatch, Contact, Station, quantities
 from fretfe.exchange import export
 from fretfe.exchange.export import headings
 from fretfe.results import tables as contents
+from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 
 # Hertz: R = 50, P = 600, two equal bodies of steel.
