@@ -137,15 +137,16 @@ def _solid_contact(
         finer = math.ceil(10 * math.sqrt(FEWEST_NODES / nodes)) / 10
         yield (
             Kind.FEW_NODES,
-            f"{nodes} node{' is' if nodes == 1 else 's are'} in contact in state {last}, "
-            f"{FEWEST_NODES} are wanted at least for pressures and areas: make the elements "
-            f"{finer:.1f} times smaller there",
+            f"{nodes} node{' is' if nodes == 1 else 's are'} in contact in state "
+            f"{solution.step_of(last)}, {FEWEST_NODES} are wanted at least for pressures and "
+            f"areas: make the elements {finer:.1f} times smaller there",
         )
     if found["lack"].kind is not Lack.NOTHING:
         earlier = {each.last for front in found["fronts"] for each in front.stations}
         known = "K_N, K_T, K_S and slip zones are unknown"
         if earlier:
-            known = f"K_N is that of state {max(earlier)}, in which the contact is largest"
+            state = solution.step_of(max(earlier))
+            known = f"K_N is that of state {state}, in which the contact is largest"
         yield (
             Kind.NO_FRONTS,
             f"no front of the contact is known at the end of the cycle: {known}, because "
