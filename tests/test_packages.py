@@ -109,8 +109,8 @@ def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_source_package_has_the_sources_and_no_more(source_files: set[str]) -> None:
-    beside = {"CHANGELOG.md", "CITATION.cff", "CMakeLists.txt", "LICENSE", "LICENSE.GPL"}
-    beside |= {"PKG-INFO", "README.md", "pyproject.toml"}
+    beside = {"CHANGELOG.md", "CITATION.cff", "CMakeLists.txt", "CONTRIBUTING.md", "LICENSE"}
+    beside |= {"LICENSE.GPL", "PKG-INFO", "README.md", "pyproject.toml"}
     folders = ("fretfe", "meshes", "docs")
     assert source_files == beside.union(*(sources(Path(each)) for each in folders))
 
