@@ -4,10 +4,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+
+if TYPE_CHECKING:
+    from scipy.spatial import cKDTree
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,12 +58,16 @@ class ContactSurface:
         if self.facets is None:
             found = np.searchsorted((self.arc[1:] + self.arc[:-1]) / 2, edge[known])
         else:
-            # Imported where it is needed: reports of plane contacts do without SciPy.
-            from scipy.spatial import cKDTree
-
-            found = cKDTree(self.points).query(edge[known])[1]
+            found = self._tree.query(edge[known])[1]
         following = np.searchsorted(known, np.arange(len(edge)))
         return np.asarray(found[np.minimum(following, len(known) - 1)])
+
+    @cached_property
+    def _tree(self) -> cKDTree:
+        # Imported where it is needed: reports of plane contacts do without SciPy.
+        from scipy.spatial import cKDTree
+
+        return cKDTree(self.points)
 
     @property
     def mean_normal(self) -> Array:

@@ -46,7 +46,7 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
             else:
                 fit = fit_edge(section, solved=True)
             # At the end of the surface the contact ends with the body, at a corner.
-            inside = section.origin != front.from_front(contact.surface.arc)[0]
+            inside = section.origin != front.from_front(arc)[0]
             parts[front.number][:, there[inside]] = np.array(astuple(fit))[:, inside]
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
@@ -76,16 +76,16 @@ def _unlike_fit(
     exponent = sliding_exponent(contact.surface.dundurs, front.inward * ratio)
     missing = front.inward * (shear - ratio[:, None] * pressure)
     # The status of the outermost node means nothing.
-    missing[contact.surface.arc == section.origin[:, None]] = 0.0
+    missing[arc == section.origin[:, None]] = 0.0
     fit = fit_edge(section, solved=True, exponent=exponent)
 
     def refit(known: EdgeFit, missing: Array) -> EdgeFit:
         coupled = couple.pressure(missing, exponent, front.inward, known.position)
         alone = np.where(pressure > 0, np.maximum(pressure - coupled, 0.0), 0.0)
-        section = plane_sections(contact.surface.arc, pressure, alone)[front.number]
+        section = plane_sections(arc, pressure, alone)[front.number]
         return fit_edge(section, solved=True, exponent=exponent)
 
-    coarser = without_every_other(contact.surface.arc, missing)
+    coarser = without_every_other(arc, missing)
     fit, others = without_missing(fit, missing, coarser, refit)
     position = widened(fit.spread_position, fit.position, [each.position for each in others])
     k_n = widened(fit.spread_k_n, fit.k_n, [each.k_n for each in others])

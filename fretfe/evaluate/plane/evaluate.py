@@ -112,7 +112,8 @@ def evaluate_plane(
         pressed_on(each, contact.surface.dundurs, 2 * a, friction, cycle)
         for each, friction in zip(own, frictions, strict=True)
     )
-    edges = _Edges(solution, contact, centre, fits, histories, path, pressed, frictions)
+    works = _friction_work(solution, contact), _work_spread(solution, contact)
+    edges = _Edges(solution, contact, centre, fits, histories, path, pressed, frictions, works)
     if contact.surface.dundurs:
         zones = np.array(
             [
@@ -147,8 +148,8 @@ def evaluate_plane(
         )
         if all(abs(each.k_angle) < NEARLY_ALONG_Z for each in stations)
         else np.nan,
-        "dissipation": float(_friction_work(solution, contact).sum()),
-        "dissipation_spread": float(_work_spread(solution, contact).sum()),
+        "dissipation": float(works[0].sum()),
+        "dissipation_spread": float(works[1].sum()),
     }
 
 
@@ -318,6 +319,7 @@ class _Edges:
         path: loads of the cycle between its steps, unless they are straight lines.
         pressed: (2,) whether P alone drives each edge.
         frictions: (2, T) coefficient at each edge.
+        works: (N,) friction work of each node, and its error bar.
         lengths: (2,) reference lengths of both edges between unlike bodies, else NaN.
     """
 
@@ -329,6 +331,7 @@ class _Edges:
     path: LoadPath | None
     pressed: tuple[bool, ...]
     frictions: Sequence[Array]
+    works: tuple[Array, Array]
     lengths: tuple[float, ...] = (np.nan,) * len(PLANE_FRONTS)
 
     def at(self, lengths: Array, zones: Array) -> _Edges:
@@ -373,7 +376,7 @@ class _Edges:
             turning: range across it over that along it.
             spread: error bar of the range along it.
         """
-        fit, work = self.fits[front.number], _friction_work(self.solution, self.contact)
+        fit = self.fits[front.number]
         contact, cycle = self.contact, cycle_states(self.solution.cycle)
         exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
         half_width = abs(float((self.centre - fit.position)[-1]))
@@ -421,8 +424,8 @@ class _Edges:
             friction=float(friction[history.last]),
             cycles=cycles,
             slip_zones=self._zones(front, evaluated, angle, cycles),
-            dissipation=float(work[here].sum()),
-            dissipation_spread=float(_work_spread(self.solution, contact)[here].sum()),
+            dissipation=float(self.works[0][here].sum()),
+            dissipation_spread=float(self.works[1][here].sum()),
         )
         return without_formulas(found)
 

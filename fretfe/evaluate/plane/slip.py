@@ -207,7 +207,7 @@ def _border_between(
     nodes = front.from_front(np.flatnonzero(closed))
     nearby = nodes[: len(nodes) // 2]
     steps = partial(_steps, contact, start, end, least, nearby)
-    line = _line(steps(), nearby)
+    line = np.ones(1) if contact.slip.shape[2] == 1 else _line(steps(), nearby)
     forward, backward = _slip_both_ways(steps(), line)
     total = (forward - backward)[nearby]
     direction = np.sign(total[np.argmax(np.abs(total))])
@@ -235,15 +235,13 @@ def _border_between(
 
 
 def _line(steps: Iterator[Array], nodes: Indices) -> Array:
-    """(d - 1,) unit vector of the largest slip of some nodes in steps; +x at d = 2.
+    """(2,) unit vector of the largest slip of some nodes in steps.
 
     Args:
-        steps: (n, N, d - 1) slip, block by block.
+        steps: (n, N, 2) slip, block by block.
         nodes: (n,) of the slip zone and around it.
     """
     total = np.sum([each[:, nodes].sum(axis=0) for each in steps], axis=0)
-    if total.shape[1] == 1:
-        return np.ones(1)
     size = np.linalg.norm(total, axis=1)
     largest = int(size.argmax()) if len(size) else 0
     return np.asarray(total[largest] / size[largest]) if size.any() else np.array([1.0, 0.0])

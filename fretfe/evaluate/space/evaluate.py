@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property, partial
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -195,6 +195,7 @@ def evaluate_fronts(
         own = slice(first, first + count)
         first += count
         histories = _factor_histories(solution, contact, track, own)
+        frictions = _frictions(contact, track)
         front = _Front(
             f"front {number + 1}",
             solution,
@@ -204,7 +205,8 @@ def evaluate_fronts(
             moved_stations(contact, track.front, own),
             slip,
             path,
-            _pressed(solution, contact, track, histories),
+            _pressed(solution, contact, track, histories, frictions),
+            frictions,
         )
         frames = track.front.frames
         sums = half_space_ratios(solution, contact, track, alone=len(tracks) == 1)
@@ -215,13 +217,16 @@ def evaluate_fronts(
 
 
 def _pressed(
-    solution: Solution, contact: ContactHistory, track: FrontTrack, histories: FactorHistories
+    solution: Solution,
+    contact: ContactHistory,
+    track: FrontTrack,
+    histories: FactorHistories,
+    frictions: list[Array],
 ) -> tuple[bool, ...]:
     """(n,) whether P alone drives each station of a front."""
     front, cycle = track.front, cycle_states(solution.cycle)
     bent = np.clip(front.frames.curvature * front.depth, 0.0, 1.0)
     lengths = 2 * front.depth * WITHIN_CIRCLE**-bent
-    frictions = _frictions(contact, track)
     stations = zip(histories.ways.mean(axis=0), lengths.tolist(), frictions, strict=True)
     return tuple(
         pressed_on(factors, contact.surface.dundurs, length, friction, cycle)
@@ -317,6 +322,7 @@ class _Front:
 
     Attributes:
         pressed: (n,) whether P alone drives each station.
+        frictions: (n, T) coefficient at each station.
         lengths: (n,) reference lengths between unlike bodies, at which K_N and factors are; None
             between similar ones, and where they are still at the length 1.
     """
@@ -330,12 +336,8 @@ class _Front:
     slip: SlipBetween
     path: LoadPath | None
     pressed: tuple[bool, ...]
+    frictions: list[Array]
     lengths: Array | None = None
-
-    @cached_property
-    def frictions(self) -> list[Array]:
-        """(n, T) coefficient at each station."""
-        return _frictions(self.contact, self.track)
 
     def stations_told(self, told: float | None) -> tuple[Station, ...]:
         """The stations, of unlike bodies at the lengths of their predicted slip zones or another.
