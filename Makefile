@@ -54,11 +54,11 @@ campaign: .venv/.installed  ## error bars of 400 irregular histories beside exac
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
 	$(PYTEST) $(SHARED_OUT) -m "not slow $(WITHOUT)"
-	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest tests/fem -m "mpi and not slow" \
+	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest tests/fem tests/system -m "mpi and not slow" \
 	    -p no:cacheprovider --timeout-method=thread </dev/null
 ifneq ($(call is_set,$(CI) $(SLOW)),)
 	$(PYTEST) $(SHARED_OUT) $(SLOW_LIMITS) -m "slow and not speed"
-	$(PYTEST) tests/fem $(SLOW_LIMITS) -m speed
+	$(PYTEST) tests/system $(SLOW_LIMITS) -m speed
 endif
 
 test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light

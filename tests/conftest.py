@@ -20,30 +20,28 @@ import pytest
 
 PETSC_DEPRECATION = "PETSc DEPRECATION WARNING"
 TESTS = Path(__file__).parent
-FEM_TESTS = TESTS / "fem"
+FEM_TESTS = [TESTS / name for name in ("fem", "system")]
 # NumPy and SciPy alone; single files elsewhere say so themselves.
 FORMULA_TESTS = [
     TESTS / name for name in ("analytic", "contact", "halfplane", "idealise", "materials")
 ]
 # What PyVista or Gmsh draws or does, in files that also run where they are missing.
 PICTURE_TESTS = [
-    TESTS / "report" / name
-    for name in ("test_pictures.py", "test_solid_pictures.py", "test_stress_pictures.py")
+    TESTS / "report" / f"test_{name}.py"
+    for name in ("pictures", "pictures_solids", "pictures_stress", "page_solids")
 ]
-PICTURE_TESTS += [TESTS / "report" / "test_solid_page.py", TESTS / "test_solid_results.py"]
-PICTURE_TESTS += [TESTS / "test_start.py"]
+PICTURE_TESTS += [TESTS / "results" / "test_writer_solids.py", TESTS / "project" / "test_start.py"]
 # One cross-section of what Python libraries do that Debian has in versions of its own: pydantic and
 # typer; h5py, pandas and xarray; Matplotlib; and what its compiler makes of the C++ code.
-LIBRARY_TESTS = [TESTS / name for name in ("report", "surface")]
+LIBRARY_TESTS = [TESTS / name for name in ("case", "cli", "report", "surface", "_core")]
 LIBRARY_TESTS += [
-    TESTS / f"test_{name}.py"
-    for name in (
-        *("case", "command_line", "completion", "environment", "hostile_values", "overrides"),
-        *("export", "reading", "restart", "stress_file", "progress"),
-    )
+    *(TESTS / "exchange" / "test_export.py", TESTS / "results" / "test_reader_messages.py"),
+    *(TESTS / "evaluate" / "test_surface_stress.py", TESTS / "test_runner_restart.py"),
+    *(TESTS / "test_environment.py", TESTS / "system" / "test_reference_numbers.py"),
 ]
 PLACES = {
-    "fem": [FEM_TESTS],
+    "fem": FEM_TESTS,
+    "whole": FEM_TESTS[1:],
     "formula": FORMULA_TESTS,
     "libraries": LIBRARY_TESTS,
     "pictures": PICTURE_TESTS,
@@ -63,9 +61,9 @@ if HAS_DOLFINX:
     options["timeout"] = (240, options["timeout"][1])
 
 # After the modules that are linked with MPI.
-importlib.import_module("plots").leave_plots_empty()
+importlib.import_module("harness.plots").leave_plots_empty()
 
-collect_ignore = [] if HAS_DOLFINX else [str(FEM_TESTS)]
+collect_ignore = [] if HAS_DOLFINX else [str(each) for each in FEM_TESTS]
 
 
 class RankReports:
@@ -142,7 +140,7 @@ def pytest_configure(config: pytest.Config) -> None:
 
 
 def pytest_report_header() -> str:
-    dolfinx = "found" if HAS_DOLFINX else "none, tests/fem is left out"
+    dolfinx = "found" if HAS_DOLFINX else "none, tests/fem and tests/system are left out"
     return f"DOLFINx: {dolfinx}; ranks: {MPI_SIZE}"
 
 
@@ -158,7 +156,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
         for marker in markers_of(item.path):
             item.add_marker(marker)
         if item.get_closest_marker("mpi") and not item.get_closest_marker("fem"):
-            raise pytest.UsageError(f"{item.nodeid}: expected tests for several ranks in tests/fem")
+            raise pytest.UsageError(
+                f"{item.nodeid}: expected tests for several ranks in fem or system"
+            )
 
 
 @pytest.hookimpl(wrapper=True)

@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from launch import python
+from cases.pad_cases import HERTZ
+from harness.launch import python
+from harness.told import Told
 from matplotlib.figure import Figure
-from pad_cases import HERTZ
-from told import Told
 
 import fretfe
 from fretfe.api import Result

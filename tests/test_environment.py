@@ -9,9 +9,9 @@ import sys
 from importlib.metadata import requires
 from pathlib import Path
 
-import pad_cases
 import pytest
-from launch import python
+from cases import pad_cases
+from harness.launch import python
 
 from fretfe import environment
 from fretfe.__main__ import main

@@ -14,8 +14,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from drawn import write_folder
-from pad_cases import cylinder, pad_text, press, shear
+from cases.drawn import write_folder
+from cases.pad_cases import cylinder, pad_text, press, shear
 from typer.testing import CliRunner, Result
 
 from fretfe.backends import halfplane

@@ -13,9 +13,9 @@ from unittest.mock import patch
 
 import pytest
 import tomli_w
-from launch import fretfe
-from pad_cases import pad, press
-from told import Told
+from cases.pad_cases import pad, press
+from harness.launch import fretfe
+from harness.told import Told
 
 from fretfe.case import Case, parse_case
 from fretfe.errors import OutputError

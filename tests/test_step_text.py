@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from halfplane_problems import LOAD, problem
+from cases.halfplane_problems import LOAD, problem
 
 from fretfe.cli.run import _step_text
 from fretfe.halfplane import solve_half_planes

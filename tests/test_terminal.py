@@ -15,8 +15,8 @@ from functools import partial
 from pathlib import Path
 
 import pytest
-from launch import fretfe, python
-from pad_cases import HERTZ
+from cases.pad_cases import HERTZ
+from harness.launch import fretfe, python
 from rich.progress import Progress
 
 from fretfe import __main__ as entry

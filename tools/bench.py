@@ -64,8 +64,8 @@ Part = tuple[str, Callable[[], Iterable[Row]]]
 
 def write_cylinder(size: float, growth: float, folder: Path) -> Path:
     """Write the benchmark of a cylinder, mesh and case file."""
-    from cases_b1 import b1_case
-    from meshes_b1 import write_b1
+    from cases.b1 import b1_case
+    from cases.b1_meshes import write_b1
 
     write_b1(folder / "b1.msh", order=2, h=size, growth=growth)
     return write_case(b1_case(folder / "b1.msh", 2, 5.0, "finer"), folder)
@@ -73,7 +73,7 @@ def write_cylinder(size: float, growth: float, folder: Path) -> Path:
 
 def write_sphere(elements: int, folder: Path) -> Path:
     """Write the case of a sphere on a block under two cycles of shear force."""
-    from cycled_sphere import FRICTION, cycles, tables
+    from cases.cycled_sphere import FRICTION, cycles, tables
 
     data = tables(FRICTION, shear=cycles())
     data["geometry"]["parameters"]["size"] = 1 / elements

@@ -7,10 +7,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-import blocks
 import numpy as np
 import pytest
-import sectors
+from cases import blocks, sectors
 
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.case import Solid, Symmetry

@@ -5,9 +5,9 @@ from __future__ import annotations
 
 from typing import Any
 
-import blocks
 import pytest
-from pad_cases import pad, press
+from cases import blocks
+from cases.pad_cases import pad, press
 
 from fretfe.bodies.definition import define_model, require_possible
 from fretfe.case import parse_case

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pad_cases import pad, press
+from cases.pad_cases import pad, press
 
 from fretfe.bodies.input_files import input_digests, input_files
 from fretfe.case import Case, parse_case

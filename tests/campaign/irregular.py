@@ -21,7 +21,7 @@ from campaign.irregular_draw import (
     loads_of,
 )
 from campaign.judge import Judged
-from halfplane_problems import PRESS_STEPS, problem, solved
+from cases.halfplane_problems import PRESS_STEPS, problem, solved
 
 import fretfe
 from fretfe._typing import Array

@@ -25,7 +25,7 @@ from campaign.draw import (
 from campaign.irregular_draw import IrregularDraw
 from campaign.solids import SolidDraw
 from campaign.unlike_draw import UnlikeDraw
-from closed_forms import closed_contact
+from reference.closed_forms import closed_contact
 
 import fretfe
 from fretfe.case import parse_case

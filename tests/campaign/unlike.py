@@ -10,7 +10,7 @@ from dataclasses import replace
 import numpy as np
 from campaign.judge import Judged
 from campaign.unlike_draw import UnlikeDraw, draw_unlike
-from halfplane_problems import LOAD, loop, problem, solved, started
+from cases.halfplane_problems import LOAD, loop, problem, solved, started
 
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.verdicts import judge

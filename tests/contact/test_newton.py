@@ -8,11 +8,11 @@ from dataclasses import dataclass, replace
 from functools import cache
 from typing import Any
 
-import halfplane_interface as halfplane
 import numpy as np
 import pytest
-from halfplane_interface import Flank
-from marching import march_through
+from cases.marching import march_through
+from reference import halfplane_interface as halfplane
+from reference.halfplane_interface import Flank
 
 from fretfe._typing import Array
 from fretfe.contact.interface import Interface

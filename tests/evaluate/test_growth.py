@@ -7,7 +7,7 @@ import itertools
 
 import numpy as np
 import pytest
-from halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
+from cases.halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
 
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import PartialSlip

@@ -3,10 +3,10 @@
 
 from __future__ import annotations
 
-import cycled_sphere
 import numpy as np
 import pytest
-from solid_runs import FRICTION, stationed_sphere
+from cases import cycled_sphere
+from cases.solid_runs import FRICTION, stationed_sphere
 
 from fretfe.case import parse_case
 from fretfe.evaluate.limits import with_crossed_spreads

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from halfplane_problems import LIMIT, LOAD, loop, problem, solved
+from cases.halfplane_problems import LIMIT, LOAD, loop, problem, solved
 
 from fretfe.evaluate.contacts import Contact, RangeSpread, Station
 from fretfe.evaluate.verdicts import judge, longest_verdict

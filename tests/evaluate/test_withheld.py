@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pad_cases import pad
+from cases.pad_cases import pad
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case

@@ -10,8 +10,8 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import sectors
 import tomli_w
+from cases import sectors
 from faults.fault import CHECK, FEM, HALFPLANE, Fault
 
 from fretfe._typing import Array

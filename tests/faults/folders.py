@@ -13,9 +13,9 @@ from typing import Any
 
 import h5py
 import numpy as np
+from cases.stored_runs import edit_numbers
 from faults.fault import Fault, Prepare, damaged
 from faults.originals import leaves
-from stored_runs import edit_numbers
 
 REPORT = ("report", "run")
 # Words that would be code in a page.

@@ -8,9 +8,9 @@ from collections.abc import Iterator
 from typing import Any
 
 import tomli_w
+from cases.pad_cases import BASE, TOP, press, shear
 from faults.fault import CHECK, FEM, HALFPLANE, Fault, text_fault
 from faults.originals import PAD, SOLID
-from pad_cases import BASE, TOP, press, shear
 
 Tables = dict[str, Any]
 SIDE = {"boundary": "lower_left", "fix": ["x"]}

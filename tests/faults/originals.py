@@ -13,10 +13,10 @@ import h5py
 import meshio
 import numpy as np
 import tomli_w
-from pad_cases import TOP, cylinder, pad, press, shear
-from solid_runs import solid_result
-from stored_runs import CYCLE, write_run
-from user_geometry import BODIES, BOUNDARIES, write_cad
+from cases.pad_cases import TOP, cylinder, pad, press, shear
+from cases.solid_runs import solid_result
+from cases.stored_runs import CYCLE, write_run
+from cases.user_geometry import BODIES, BOUNDARIES, write_cad
 
 from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE

@@ -13,11 +13,11 @@ from typing import Any
 
 import numpy as np
 import tomli_w
+from cases.pieces_of_cells import KINDS, Cells
 from faults.fault import CHECK, HALFPLANE, Fault, Prepare, text_fault
 from faults.files import with_places
 from faults.originals import PAD, RIG_TEXT, csv_case
 from faults.results_of import with_runs
-from pieces_of_cells import KINDS, Cells
 
 from fretfe.mesh.elements import FACET_SHAPES, directed_facets, exterior_facets
 from fretfe.mesh.make import write_mesh

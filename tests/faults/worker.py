@@ -16,8 +16,8 @@ import numpy as np
 from faults.derived import wrong_numbers
 from faults.every import all_faults
 from faults.fault import Fault
-from launch import fretfe
-from mesh_server import mesh_server
+from harness.launch import fretfe
+from harness.mesh_server import mesh_server
 
 # Exit codes that are documented, but for that of a bug; that of Typer is among them.
 DOCUMENTED = (2, 3, 4, 5, 6, 7, 8)

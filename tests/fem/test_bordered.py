@@ -12,10 +12,10 @@ import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
-import blocks
 import numpy as np
 import pytest
-from petsc_garbage import replace_meshes
+from cases import blocks
+from harness.petsc_garbage import replace_meshes
 from scipy import sparse
 
 from fretfe._typing import Array

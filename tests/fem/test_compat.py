@@ -13,7 +13,7 @@ import pytest
 import ufl
 from dolfinx import fem
 from dolfinx.mesh import locate_entities_boundary, to_type
-from launch import python
+from harness.launch import python
 from ufl.algorithms.analysis import extract_coefficients
 
 from fretfe.fem._compat import (

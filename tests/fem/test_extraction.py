@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from pad_cases import HOLD, SLIDING, TOP, pad, press, pull, shear, wave
+from cases.pad_cases import HOLD, SLIDING, TOP, pad, press, pull, shear, wave
 
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, composite_modulus, edge_factor_k_n
 from fretfe.backends import find_backend

@@ -10,10 +10,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.pad_cases import cylinder, pad, pad_text, press, shear
 from dolfinx import fem
 from dolfinx.mesh import create_box, create_rectangle, to_type
-from launch import fretfe, python
-from pad_cases import cylinder, pad, pad_text, press, shear
+from harness.launch import fretfe, python
 
 from fretfe._typing import Array
 from fretfe.backends import RunOptions

@@ -11,12 +11,12 @@ from typing import Any, cast
 
 import numpy as np
 import pytest
-from chains import surface
-from closed_forms import closed_contact
-from pad_cases import HOLD, STEEL, cylinder, pad, press, shear, wave
-from sheets import sheet
-from solid_runs import sphere
-from solid_runs import surface as bent
+from cases.chains import surface
+from cases.pad_cases import HOLD, STEEL, cylinder, pad, press, shear, wave
+from cases.sheets import sheet
+from cases.solid_runs import sphere
+from cases.solid_runs import surface as bent
+from reference.closed_forms import closed_contact
 
 from fretfe._typing import Array
 from fretfe.backends import find_backend

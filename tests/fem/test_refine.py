@@ -13,8 +13,8 @@ from mpi4py import MPI
 
 import numpy as np
 import pytest
-from pad_cases import SLIDING, pad, press, pull, shear
-from told import Told
+from cases.pad_cases import SLIDING, pad, press, pull, shear
+from harness.told import Told
 
 from fretfe.analytic.profiles import FlatRounded, Hertz
 from fretfe.backends import RunOptions

@@ -10,9 +10,9 @@ from typing import Any
 import gmsh
 import numpy as np
 import pytest
-from cycled_sphere import FRICTION, PEAK, cycles, tables
-from pad_cases import pad, press
-from told import Told
+from cases.cycled_sphere import FRICTION, PEAK, cycles, tables
+from cases.pad_cases import pad, press
+from harness.told import Told
 
 from fretfe.backends import RunOptions
 from fretfe.backends.meshes import FINER, finer_sweep, starting_mesh

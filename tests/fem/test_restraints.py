@@ -6,10 +6,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-import blocks
 import numpy as np
 import pytest
-from contact_runs import ramp
+from cases import blocks
+from cases.contact_runs import ramp
 
 from fretfe.case import parse_case
 from fretfe.fem._compat import MPI

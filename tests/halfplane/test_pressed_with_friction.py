@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from halfplane_problems import LIMIT, LOAD, PRESS_STEPS, problem, solved
+from cases.halfplane_problems import LIMIT, LOAD, PRESS_STEPS, problem, solved
 
 # Q over f P: to this, and back to minus 0.433.
 TOP = 0.5

@@ -16,9 +16,9 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
-from pad_cases import STEEL, pad
-from plots import whole_plots
-from stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
+from cases.pad_cases import STEEL, pad
+from cases.stored_runs import REASON, RUNS, edit_numbers, solved, write_many_contacts, write_run
+from harness.plots import whole_plots
 
 from fretfe.case import parse_case
 from fretfe.errors import OutputError

@@ -16,11 +16,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from drawn import fields, write_folder
+from cases.drawn import fields, write_folder
+from cases.stored_runs import edit_numbers
 from matplotlib import colormaps
 from matplotlib.colors import to_rgb
 from matplotlib.image import imread
-from stored_runs import edit_numbers
 
 from fretfe.history.solution import SLIP, STICK
 from fretfe.report.pictures import folder as folder_module

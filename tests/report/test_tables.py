@@ -12,10 +12,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.solid_runs import exact_station, stationed_sphere, with_stations
+from cases.stored_runs import solved
 from matplotlib.figure import Figure
 from rich.console import Console
-from solid_runs import exact_station, stationed_sphere, with_stations
-from stored_runs import solved
 
 from fretfe.evaluate.contacts import Contact, SlipZone, Station, fronts_of
 from fretfe.quality.comparison import Row, print_rows

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pad_cases import pad
+from cases.pad_cases import pad
 
 from fretfe.case import parse_case
 from fretfe.caution import Caution, Kind, Subject

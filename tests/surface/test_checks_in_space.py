@@ -3,9 +3,9 @@
 
 from __future__ import annotations
 
-import blocks
 import numpy as np
 import pytest
+from cases import blocks
 
 from fretfe._typing import Array
 from fretfe.case import Case, Solid, parse_case

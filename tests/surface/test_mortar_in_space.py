@@ -5,10 +5,10 @@ from __future__ import annotations
 
 from functools import partial
 
-import mortar_space_twin
 import numpy as np
 import pytest
-import sheets
+from cases import sheets
+from reference import mortar_space_twin
 from scipy.spatial.transform import Rotation
 
 from fretfe._typing import Array

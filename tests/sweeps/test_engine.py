@@ -13,9 +13,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from pad_cases import pad
+from cases.pad_cases import pad
+from harness.told import Told
 from rich.console import Console
-from told import Told
 
 from fretfe.backends import Observer, RunOptions, SharingBackend
 from fretfe.backends.halfplane import BACKEND as HALFPLANE

@@ -44,13 +44,14 @@ $install"
 # In tests/ a Python finds the fretfe that is installed, not that of the checkout.
 pytest="$home/fretfe/.venv-debian/bin/python -m pytest"
 # What NumPy and SciPy alone compute, and most of what Python alone does, is the same as where `make
-# test` ran it. On unstable, which is there to show early what a new DOLFINx, PETSc, VTK or Python
-# breaks, the tests that ranks share: they go through all that solves, from meshes to results.
-chosen="(fem or pictures or libraries) and not formula and not slow" where=.
-[ "$suite" != sid ] || { chosen="mpi and not slow" where=fem; }
+# test` ran it; of whole runs those that ranks share are enough. On unstable, which is there to show
+# early what a new DOLFINx, PETSc, VTK or Python breaks, only these: they go through all that solves,
+# from meshes to results.
+chosen="((fem and not whole) or mpi or pictures or libraries) and not formula and not slow" where=.
+[ "$suite" != sid ] || { chosen="mpi and not slow" where="fem system"; }
 step "tests on one rank: $chosen"
 as_tester "$test_limit" "cd fretfe/tests; $pytest $where -m '$chosen' --numprocesses=2 --dist=loadfile"
 step "tests on two ranks"
-as_tester "$test_limit" "cd fretfe/tests; mpirun -n 2 $pytest fem -m 'mpi and not slow' \\
+as_tester "$test_limit" "cd fretfe/tests; mpirun -n 2 $pytest fem system -m 'mpi and not slow' \\
     -p no:cacheprovider --timeout-method=thread"
 step "done"

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from solid_runs import stationed_sphere
+from cases.solid_runs import stationed_sphere
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import RangeSpread, Station

@@ -9,7 +9,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_fronts_in_space import STATIONS, grid, hertz, solved
+from evaluate.space.test_evaluate import STATIONS, grid, hertz, solved
 
 from fretfe.evaluate.factors import FactorHistories
 from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts

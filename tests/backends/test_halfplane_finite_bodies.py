@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Half-planes in place of bodies that are none say so, and by how much they are wrong."""
+
+from __future__ import annotations
+
+import pytest
+from cases.pad_cases import STEEL, cylinder, pad, press
+
+from fretfe.backends import find_backend
+from fretfe.case import parse_case
+from fretfe.caution import Kind
+from fretfe.quality.validation import summary, validate
+
+HALF_WIDTH = 0.5749
+QUANTITY = "error of K_N or ΔK_T because the bodies are not half-planes"
+STRETCH = "error of the slip zones because P stretches different bodies by different amounts"
+# K_N of finite elements with the lower body so many half-widths high, over that of one 42 high.
+K_N_BY_HEIGHT = {3.0: 1.0256}
+
+
+def test_a_low_body_is_no_half_plane() -> None:
+    case = parse_case(pad(geometry=cylinder(lower_height=3 * HALF_WIDTH)))
+    validation = validate(case, find_backend("halfplane"))
+    (row,) = (each for each in validation.rows if each.quantity == QUANTITY)
+    assert row.verdict == "unknown" and row.value == pytest.approx(0.03, rel=0.1)
+    assert not validation.passed
+    assert summary(validation).endswith("nothing can be said of this case before they are known.")
+    (contact,) = validation.result.contacts
+    assert Kind.BODY_SIZE in {each.kind for each in contact.warnings}
+    for station in contact.stations:
+        missing = (K_N_BY_HEIGHT[3.0] - 1) * station.k_n[-1]
+        assert missing < station.k_n_spread[-1] < 2 * missing
+
+
+def test_large_bodies_pass() -> None:
+    result = find_backend("halfplane").solve(parse_case(pad()))
+    limit = result.limits[-1]
+    assert limit.quantity == QUANTITY and limit.found < 0.004
+    kinds = {each.kind for each in result.warnings}
+    assert not kinds & {each.kind for each in result.limits}
+
+
+# Slip zones over the half-width of bodies so many half-widths wide and twice as high that are
+# pressed on against f = .05: titanium on steel by finite elements, and by half-planes.
+BY_WIDTH = {18: 0.123, 75: 0.169}
+OF_HALF_PLANES = 0.190
+
+
+@pytest.mark.parametrize("widths", BY_WIDTH)
+def test_unlike_bodies_stretch_under_p(widths: int) -> None:
+    """The change is told, warned of, and in the error bars of the slip zones."""
+    half_width = 0.68
+    sizes = {
+        f"{body}_{side}": times * widths * half_width
+        for body in ("upper", "lower")
+        for side, times in (("width", 1), ("height", 2))
+    }
+    tables = pad(
+        geometry=cylinder(**sizes),
+        bodies={"upper": {"young": 114e3, "poisson": 0.34}, "lower": STEEL},
+        loads={"press": press(steps=10)},
+    )
+    tables["contacts"]["main"] = {**tables["contacts"]["main"], "friction": 0.05}
+    del tables["contacts"]["main"]["friction_from"]
+    result = find_backend("halfplane").solve(parse_case(tables))
+    (contact,), limit = result.contacts, result.limits[-1]
+    longest = max(station.slip_zones[-1].length for station in contact.stations)
+    change = limit.found * longest / contact.half_width[-1]
+    assert limit.quantity == STRETCH
+    assert change == pytest.approx(OF_HALF_PLANES - BY_WIDTH[widths], rel=0.25)
+    warned = Kind.BODY_STRETCH in {each.kind for each in contact.warnings}
+    assert limit.exceeded == warned == (widths == 18)
+    for station in contact.stations:
+        assert station.slip_zones[-1].spread > change * contact.half_width[-1]
+
+
+def test_stretch_matters_as_far_as_p_varies_with_friction() -> None:
+    """Not where P is constant in the cycle, nor between bodies that stretch alike."""
+    unlike = pad(bodies={"upper": {"young": 114e3, "poisson": 0.34}, "lower": STEEL})
+    alike = pad()
+    del alike["contacts"]["main"]["friction_from"]
+    for tables in (unlike, alike):
+        result = find_backend("halfplane").solve(parse_case(tables))
+        assert STRETCH not in [each.quantity for each in result.limits]

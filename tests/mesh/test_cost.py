@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Estimates of memory and time, and the refusal of what cannot fit."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from cases import blocks
+
+from fretfe.case import Solid
+from fretfe.environment import machine_memory
+from fretfe.errors import ModelError
+from fretfe.mesh import cost
+from fretfe.mesh.cost import estimate_cost, refuse_too_large
+from fretfe.mesh.load import extrude
+from fretfe.mesh.mesh import Mesh
+
+GB = 2**30
+
+
+def mesh() -> Mesh:
+    lines = blocks.graded(0.0, 1.5, 40), blocks.graded(0.0, 1.0, 30)
+    return Mesh({"b": blocks.block("b", *lines)})
+
+
+def test_the_machine_tells_its_memory() -> None:
+    there = machine_memory()
+    assert there is not None
+    assert GB / 4 < there < 2**50
+
+
+def test_cost_grows_with_tractions_and_steps() -> None:
+    small = estimate_cost(mesh(), 2, nodes=40, steps=100)
+    assert small.tractions == 80
+    assert small.text.startswith(f"{small.unknowns} unknowns, 80 contact tractions, 100 steps: ")
+    assert estimate_cost(mesh(), 2, nodes=4000, steps=100).memory > 10 * small.memory
+    longer = estimate_cost(mesh(), 2, nodes=40, steps=100_000)
+    assert longer.memory == small.memory  # a history is streamed to a file
+    assert longer.seconds > 300
+    assert "min" in longer.text
+    assert " h, " in estimate_cost(mesh(), 2, nodes=40, steps=10**7).text
+
+
+def test_what_is_behind_the_last_step_counts() -> None:
+    """The dovetail of docs/performance.md: 1.8 s for edge factors, .7 s for fields, 7 s to draw."""
+    found = estimate_cost(mesh(), 2, nodes=40, steps=100, stations=4, states=3)
+    without = estimate_cost(mesh(), 2, nodes=40, steps=100)
+    assert found.seconds - without.seconds == pytest.approx(found.behind - without.behind)
+    scale = found.unknowns / 114_096
+    assert found.behind - without.behind == pytest.approx((1.8 + 0.7) * scale, rel=0.3)
+    assert without.behind - cost.DRAWING == pytest.approx((7.0 - cost.DRAWING) * scale, rel=0.3)
+    assert found.text.endswith(" of them for edge factors, fields and pictures")
+
+
+def test_what_cannot_fit_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = estimate_cost(mesh(), 2, nodes=40, steps=100)
+    refuse_too_large(found)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB)
+    large = replace(found, unknowns=2_000_000, memory=8.0 * GB)
+    expected = r"memory of this machine \(4 GB\), found one that needs about 8 GB \(2000000 unk"
+    with pytest.raises(ModelError, match=expected) as caught:
+        refuse_too_large(large)
+    assert "About 1000000 unknowns would fit: make the elements larger" in str(caught.value)
+    monkeypatch.setattr(cost, "machine_memory", lambda: None)
+    refuse_too_large(large)
+
+
+def test_factors_go_to_disk_where_memory_is_short(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(cost, "machine_memory", lambda: None)
+    there = estimate_cost(solid(20, 4), 2, nodes=300, steps=10)
+    assert not there.on_disk
+    for share, on_disk in ((0.9, False), (1.1, True)):
+        monkeypatch.setattr(
+            cost, "machine_memory", lambda share=share: there.memory / cost.IN_MEMORY / share
+        )
+        found = estimate_cost(solid(20, 4), 2, nodes=300, steps=10)
+        assert found.on_disk is on_disk
+        assert (found.memory < there.memory) is on_disk
+        assert ("GB (factors on disk) and" in found.text) is on_disk
+
+
+def solid(cells: int, layers: int) -> Mesh:
+    lines = blocks.graded(0.0, 1.0, cells), blocks.graded(0.0, 1.0, cells)
+    flat = Mesh({"b": blocks.block("b", *lines)})
+    return extrude(flat, Solid(length=1.0, skew=0.0, layers=layers))
+
+
+@pytest.mark.parametrize(("cells", "layers", "measured"), [(10, 10, 190), (40, 2, 530)])
+def test_a_solid_costs_what_was_measured(cells: int, layers: int, measured: int) -> None:
+    """MiB by which a process grew, which differ by 15 % from one time to the next."""
+    found = estimate_cost(solid(cells, layers), 2, nodes=0, steps=0)
+    assert found.unknowns == 3 * (2 * cells + 1) ** 2 * (2 * layers + 1)
+    factor = found.memory - cost.ALWAYS - cost.PER_UNKNOWN[3] * found.unknowns
+    assert factor / 2**20 == pytest.approx(measured, rel=0.2)
+    assert estimate_cost(solid(cells, layers), 1, nodes=0, steps=0).memory < found.memory
+
+
+def test_a_thin_solid_costs_less_than_a_thick_one() -> None:
+    thick, thin = (estimate_cost(solid(*size), 2, nodes=0, steps=0) for size in ((20, 20), (60, 2)))
+    assert thick.unknowns < thin.unknowns
+    assert thick.memory > thin.memory
+
+
+def test_halves_are_separated_across_the_longest_axis() -> None:
+    """A bar of 8 x 2 x 2 cubes: 9 nodes between the halves, 9 within each of them."""
+    lines = range(9), range(3)
+    bar = extrude(Mesh({"b": blocks.block("b", *lines)}), Solid(length=2.0, skew=0.0, layers=2))
+    body = bar.bodies["b"]
+    assert cost._squared_separators(body.points, body.cells[:, :8], 1) == 9**2
+    assert cost._squared_separators(body.points, body.cells[:, :8], 2) == 3 * 9**2
+
+
+def test_a_solid_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch) -> None:
+    found = estimate_cost(solid(10, 10), 2, nodes=100, steps=100)
+    monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB)
+    with pytest.raises(ModelError, match="take fewer, longer layers along the edge") as caught:
+        refuse_too_large(replace(found, unknowns=800_000, memory=32.0 * GB))
+    # a factor's memory grows with the power of 4/3
+    # 800 000/8^.75 = 168 179
+    assert "About 170000 unknowns would fit" in str(caught.value)
+
+
+def test_a_contact_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Full matrices of n tractions take 8 n² bytes each."""
+    dense = 8.0 * cost.MATRICES * 32_000**2
+    found = replace(
+        estimate_cost(solid(10, 10), 2, nodes=100, steps=100),
+        tractions=32_000, dense=dense, memory=dense + 4 * GB,
+    )  # fmt: skip
+    assert "42 GB of them for the contact tractions" in found.text
+    monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB + dense / 4)
+    with pytest.raises(ModelError, match="layers along the edge") as caught:
+        refuse_too_large(found)
+    assert "About 16000 contact tractions would fit" in str(caught.value)

@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The demos end with computed against expected values: none of them may be off."""
+
+from __future__ import annotations
+
+import runpy
+from pathlib import Path
+
+import pytest
+from harness.launch import python
+
+DEMOS = Path(__file__).parents[2] / "demos"
+SCRIPTS = sorted(path for path in DEMOS.glob("*.py") if path.stem != "compare")
+# `make docs` runs these, and ends if a value is off.
+GALLERY = runpy.run_path(str(DEMOS.parent / "tools" / "site" / "gallery.py"))["SHOWN"]
+MAPS = "applicability"
+OTHERS = [path for path in SCRIPTS if path.stem not in (*GALLERY, MAPS)]
+# Its maps have 112 cells of a second each: the corners of each panel draw the same figure.
+CORNERS = """
+import sys; sys.path.insert(0, sys.argv[1])
+from pathlib import Path
+import applicability as demo
+demo.PROFILES = dict(list(demo.PROFILES.items())[::3])
+demo.LEVELS, demo.PHASES, demo.VARIATIONS = (each[[0, -1]] for each in
+    (demo.LEVELS, demo.PHASES, demo.VARIATIONS))
+demo.draw(Path("maps.png"))
+demo.finish(demo.by_shear_alone())
+"""
+
+
+def test_there_are_demos() -> None:
+    assert len(SCRIPTS) >= 8
+
+
+def test_a_value_that_is_off_makes_a_demo_fail() -> None:
+    text = "from compare import Row, finish; finish([Row('a', 1.02, 1.0, 0.01)])"
+    done = python("-c", f"import sys; sys.path.insert(0, {str(DEMOS)!r}); {text}")
+    assert done.returncode == 1
+    assert "<-- off" in done.stdout
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("script", OTHERS, ids=[path.stem for path in OTHERS])
+def test_demo(script: Path, tmp_path: Path) -> None:
+    done = python(script, timeout=600, folder=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "computed" in done.stdout
+
+
+@pytest.mark.slow
+def test_maps_of_the_edge_formulas(tmp_path: Path) -> None:
+    done = python("-c", CORNERS, DEMOS, timeout=600, folder=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert "computed" in done.stdout
+    assert (tmp_path / "maps.png").stat().st_size > 10_000

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A mesh that is too coarse for its contact is said before anything is solved, and only then."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import tomli_w
+from cases.pad_cases import STEEL, TOP, cylinder, pad, pad_text, press, shear
+from typer.testing import CliRunner
+
+from fretfe import checked
+from fretfe.analytic.profiles import FlatRounded
+from fretfe.backends.protocol import Observer, RunOptions
+from fretfe.case import load_case, parse_case
+from fretfe.checked import check, propose
+from fretfe.cli.app import app
+from fretfe.evaluate.resolution import (
+    BAR_TIMES_ELEMENTS,
+    Proposal,
+    coarse_contacts,
+    proposed_sizes,
+)
+from fretfe.fem.backend import BACKEND
+from fretfe.loads import build_history
+from fretfe.surface.checks import load_mesh
+
+DEMOS = Path(__file__).parents[2] / "demos"
+
+
+def foreseen(tables: dict[str, Any]) -> list[str]:
+    case = parse_case(tables)
+    return list(coarse_contacts(case, load_mesh(case), build_history(case)))
+
+
+def proposals(tables: dict[str, Any]) -> list[Proposal]:
+    case = parse_case(tables)
+    return list(proposed_sizes(case, load_mesh(case), build_history(case), 0.03))
+
+
+@pytest.mark.parametrize("size", [0.25, 0.15])
+def test_the_width_is_that_of_hertz(size: float) -> None:
+    (text,) = foreseen(pad(geometry=cylinder(size=size)))
+    assert float(re.findall(r"half-width ([\d.]+)", text)[0]) == pytest.approx(0.5749, rel=0.02)
+    count = int(re.findall(r"about (\d+) nodes", text)[0])
+    assert count == pytest.approx(2 * 0.5749 / size, abs=2)
+    assert "16 wanted at least: make the elements there 0.07 mm long or less" in text
+
+
+def test_a_wedge_is_as_wide_as_its_theory() -> None:
+    geometry = {"template": "wedge", "parameters": {"angle": 1.0, "size": 0.1}}
+    (text,) = foreseen(pad(geometry=geometry))
+    # P = E* a tan(angle)
+    width = 600 / (210e3 / (2 * 0.91) * np.tan(np.radians(1.0)))
+    assert float(re.findall(r"half-width ([\d.]+)", text)[0]) == pytest.approx(width, rel=0.05)
+
+
+def test_a_traction_presses_as_well() -> None:
+    down = {**press(), "type": "traction", "direction": "normal"}
+    down = {key: value for key, value in down.items() if key != "control"}
+    loads = {"press": {**down, "history": [{"ramp": -25.0, "until": 1.0, "steps": 2}]}}
+    (text,) = foreseen(pad(geometry=cylinder(size=0.2), loads=loads))
+    assert "expected at P = 600" in text
+
+
+def test_nothing_is_said_where_it_is_not_known() -> None:
+    driven = {"press": {**press(), "control": "displacement"}}
+    assert foreseen(pad(geometry=cylinder(size=0.25), loads=driven)) == []
+    sideways = {"shear": {**shear(), **TOP, "direction": "x"}}
+    assert foreseen(pad(geometry=cylinder(size=0.25), loads=sideways)) == []
+
+
+@pytest.mark.parametrize("size", [0.06, 0.02])
+def test_a_fine_mesh_is_quiet(size: float) -> None:
+    assert foreseen(pad(geometry=cylinder(size=size))) == []
+
+
+SOLIDS = {
+    "geometry": {"template": "sphere", "parameters": {}},
+    "bodies": {"upper": STEEL, "lower": STEEL},
+    "contacts": {
+        "main": {"surface1": "upper_contact", "surface2": "lower_contact", "friction": 0.5}
+    },
+    "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
+    "loads": {"press": {**press(), "history": [{"ramp": -2900.0, "until": 1.0, "steps": 1}]}},
+}
+
+
+@pytest.mark.parametrize(
+    ("template", "parameters", "width"),
+    [
+        # Steel of press(): E* = 115.4 GPa; a³ = 3 P R/(4 E*).
+        ("sphere", {"size": 0.3}, (0.75 * 2900 * 50 / 115385) ** (1 / 3)),
+        # Half-planes under the mean force per length, a² = 4 P R/(π E*).
+        ("cylinder_finite", {"size": 0.2}, (4 * 290 * 30 / np.pi / 115385) ** 0.5),
+    ],
+)
+def test_the_width_of_solids(template: str, parameters: dict[str, float], width: float) -> None:
+    (text,) = foreseen({**SOLIDS, "geometry": {"template": template, "parameters": parameters}})
+    assert float(re.findall(r"half-width ([\d.]+)", text)[0]) == pytest.approx(width, rel=0.02)
+    count = int(re.findall(r"about (\d+) nodes across", text)[0])
+    assert count == pytest.approx(2 * width / parameters["size"], abs=1)
+
+
+STRAIGHT = {"solid": {"length": 4.0, "layers": 1}}
+PUNCH = {"flat_half_width": 1.0, "radius": 8.0, "edge_size": 0.04, "growth": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("geometry", "length"),
+    [
+        # a³ = 3 P R/(4 E*), and the smaller half axis of an ellipse, whose tips need more elements.
+        (
+            {"template": "sphere", "parameters": {"size": 0.3}},
+            (0.75 * 2900 * 50 / 115385) ** (1 / 3),
+        ),
+        # Half-planes under the mean force per length, a² = 4 P R/(π E*).
+        (
+            {"template": "cylinder_finite", "parameters": {"size": 0.2}},
+            (4 * 290 * 30 / np.pi / 115385) ** 0.5,
+        ),
+    ],
+)
+def test_the_size_for_three_percent(geometry: dict[str, Any], length: float) -> None:
+    (found,) = proposals({**SOLIDS, "geometry": geometry})
+    assert found.length == pytest.approx(length, rel=0.02)
+    assert found.size == pytest.approx(length * 0.03 / BAR_TIMES_ELEMENTS, rel=0.07)
+
+
+def test_a_straight_section_is_a_cylinder_that_grows_as_fast() -> None:
+    round_pad = {**cylinder(size=0.1), **STRAIGHT}
+    (found,) = proposals({**SOLIDS, "geometry": round_pad})
+    # As before, on four millimetres.
+    assert found.length == pytest.approx((4 * 725 * 50 / np.pi / 115385) ** 0.5, rel=0.03)
+    (punch,) = proposals(
+        {**SOLIDS, "geometry": {"template": "flat_rounded", "parameters": PUNCH, **STRAIGHT}}
+    )
+    profile = FlatRounded(1.0, 8.0, 115385.0)
+    grown = [float(profile.half_width(load)) for load in (725.0, 362.5)]
+    assert punch.length == pytest.approx((grown[0] - grown[1]) / (1 - 0.5**0.5), rel=0.05)
+    assert punch.length < 0.5
+
+
+def test_no_size_is_proposed_where_it_is_not_known() -> None:
+    driven = {**SOLIDS["loads"]["press"], "control": "displacement"}
+    (found,) = proposals({**SOLIDS, "loads": {"press": driven}})
+    assert np.isnan(found.size) and "equilibrium alone" in found.reason
+
+
+def test_check_proposes_a_size_with_its_memory(tmp_path: Path) -> None:
+    path = tmp_path / "ball.toml"
+    geometry = {"template": "sphere", "parameters": {"size": 0.3, "growth": 0.7}}
+    path.write_text(tomli_w.dumps({**SOLIDS, "geometry": geometry}))
+    out = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
+    assert "Proposal: set geometry.parameters.size = 0.082 for K_N and ΔK to 3% at all" in out
+    assert re.search(r"expected in contact main at P = 2900: \d+ unknowns, about [\d.]+ GB", out)
+    set_size = ["check", str(path), "--set", "geometry.parameters.size=0.08"]
+    out = " ".join(CliRunner().invoke(app, set_size).stdout.split())
+    assert "geometry.parameters.size = 0.08 is likely to be small enough" in out
+
+
+def test_much_finer_elements_are_not_meshed_to_see_what_they_take(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Meshing them may take hours, as with a load or a stiffness in another unit."""
+    geometry = {"template": "sphere", "parameters": {"size": 0.3, "growth": 0.7}}
+    light = {**SOLIDS, "geometry": geometry, "loads": {"press": press(0.29)}}
+    case = check(parse_case(light))
+    pascals = {name: {**STEEL, "young": 210e9} for name in ("upper", "lower")}
+    doubted = check(parse_case({**SOLIDS, "geometry": geometry, "bodies": pascals}))
+    assert case is not None and doubted is not None
+    monkeypatch.setattr(checked, "check", None)
+    (text,) = propose(case)
+    assert re.search(r"what that takes was not looked at, as .*size is \d\d times as large", text)
+    assert list(propose(doubted)) == []
+    assert any("In Pa it would be usual" in note for note in doubted.notes)
+
+
+def test_a_fine_sphere_and_the_dovetail_of_solids_are_quiet() -> None:
+    assert (
+        foreseen({**SOLIDS, "geometry": {"template": "sphere", "parameters": {"size": 0.1}}}) == []
+    )
+    case = load_case(DEMOS / "dovetail_solid.toml", trust_geo=True)
+    assert list(coarse_contacts(case, load_mesh(case), build_history(case))) == []
+
+
+@pytest.mark.parametrize("name", ["dovetail", "wedge", "flat_rounded", "ellipse"])
+def test_demos_are_quiet(name: str) -> None:
+    case = load_case(DEMOS / f"{name}.toml", trust_geo=True)
+    assert list(coarse_contacts(case, load_mesh(case), build_history(case))) == []
+
+
+class Announced(Observer):
+    """Keeps what is announced before the first step."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self.before_steps = 0
+
+    def announce(self, text: str) -> None:
+        self.texts.append(text)
+
+    def step(self, number: int, count: int, text: str) -> None:
+        self.before_steps = self.before_steps or len(self.texts)
+
+
+def test_check_and_run_say_it_first(tmp_path: Path) -> None:
+    path = tmp_path / "pad.toml"
+    path.write_text(pad_text(geometry=cylinder(size=0.25), bodies={"upper": STEEL, "lower": STEEL}))
+    checked = CliRunner().invoke(app, ["check", str(path)])
+    assert checked.exit_code == 0 and "Warning: contact main: about 5 nodes" in checked.stdout
+    observer = Announced()
+    BACKEND.solve(load_case(path), RunOptions(observer=observer))
+    said = ["Warning: contact main: about 5 nodes" in text for text in observer.texts]
+    assert said.count(True) == 1 and observer.before_steps == len(observer.texts)
+
+
+def test_a_doubtful_stiffness_is_said_in_place_of_what_follows_from_it(tmp_path: Path) -> None:
+    path = tmp_path / "pad.toml"
+    # In kPa: in Pa a single node carries the load, on some meshes none.
+    stiff = {**STEEL, "young": 210e6}
+    geometry = cylinder(size=0.25)
+    path.write_text(pad_text(geometry=geometry, bodies={"upper": stiff, "lower": stiff}))
+    shown = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
+    assert "nodes in contact expected" not in shown
+    assert shown.count("bodies.upper.young, bodies.lower.young: 2.1e+08 is in MPa") == 1
+    observer = Announced()
+    result = BACKEND.solve(load_case(path), RunOptions(observer=observer))
+    for texts in (observer.texts, result.notes):
+        assert sum("2.1e+08 is in MPa" in text for text in texts) == 1
+    assert not any("nodes in contact expected" in text for text in observer.texts)

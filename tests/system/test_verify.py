@@ -1,0 +1,55 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The benchmarks and negative controls through finite elements."""
+
+from __future__ import annotations
+
+import json
+
+import pytest
+from harness.launch import python
+
+from fretfe.backends import Installed
+from fretfe.fem.backend import BACKEND, MpiProcesses
+from fretfe.quality.comparison import Benchmark, Row
+from fretfe.quality.verification import benchmarks, controls, run_benchmark
+
+BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks() if benchmark.case}
+CONTROLS = {control.name: control for control in controls()}
+# One of each kind that runs in about a second; the whole table takes twenty.
+QUICK = (
+    "fretting specimen, f = 0.85",
+    "loop Q 0.15, tension 0.3, lag 45°",
+    "moment, Hertz",
+    "sliding wedge block",
+)
+
+
+def run(benchmark: Benchmark) -> tuple[Row, ...]:
+    return run_benchmark(benchmark, Installed("fem", "", BACKEND), MpiProcesses())
+
+
+def check(name: str) -> None:
+    rows = run(BENCHMARKS[name])
+    assert [row for row in rows if row.verdict != "agrees"] == []
+    assert len(rows) == len(BENCHMARKS[name].quantities)
+
+
+@pytest.mark.mpi
+@pytest.mark.parametrize("name", QUICK)
+def test_benchmark_passes(name: str) -> None:
+    check(name)
+
+
+@pytest.mark.parametrize("name", CONTROLS)
+def test_control_is_caught(name: str) -> None:
+    (row,) = run(CONTROLS[name])
+    assert row.verdict == "caught", row.reason
+
+
+@pytest.mark.slow
+def test_two_processes_pass_every_benchmark() -> None:
+    """On one process they are the same to round-off, as those are that are tested above."""
+    done = python("-m", "fretfe", "verify", "--backend", "fem", "--json", ranks=2, timeout=900)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads(done.stdout)["rows"]
+    assert {row["benchmark"] for row in rows if row["verdict"] == "agrees"} >= BENCHMARKS.keys()
