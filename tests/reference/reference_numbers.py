@@ -2,10 +2,11 @@
 """Results of two cases on stored meshes, to compare DOLFINx versions and MPI libraries.
 
 `cd tests; python -m reference.reference_numbers` writes the file of references anew. They are
-regression numbers: exact values are checked elsewhere. Each version of
-Gmsh makes another mesh, so the meshes are stored, in tests/data: `b1` is `write_b1(order=2, h=0.02, growth=0.3)`, `dovetail` the template of
-the demo with a shorter flank and coarser (`flank_length = 2`, `edge_size = 0.005`, `edge_zone =
-0.12`, `growth = 0.5`, `flank_size = 0.1`), both by Gmsh 4.15 with coordinates rounded to 1e-9.
+regression numbers: exact values are checked elsewhere. Each version of Gmsh makes another mesh, so
+the meshes are stored, in tests/data: `b1` is `write_b1(order=2, h=0.02, growth=0.3)`, `dovetail`
+the template of the demo with a shorter flank and coarser (`flank_length = 2`, `edge_size = 0.005`,
+`edge_zone = 0.12`, `growth = 0.5`, `flank_size = 0.1`), both by Gmsh 4.15 with coordinates rounded
+to 1e-9.
 """
 
 from __future__ import annotations
