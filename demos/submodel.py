@@ -16,7 +16,7 @@ from pathlib import Path
 from compare import Row, finish
 
 import fretfe
-from fretfe.backends import find_backend, processes_of
+from fretfe.backends import find_backend
 
 CASE = Path(__file__).with_name("dovetail.toml")
 FOLDER = Path("results") / "submodel"
@@ -33,7 +33,7 @@ def write() -> None:
     fretfe.write_submodel(result, "left", FOLDER / "case", radius=RADIUS, size=0.002)
 
 
-processes_of(find_backend("fem")).on_root(write)
+find_backend("fem").processes.on_root(write)
 part = fretfe.run(fretfe.load_case(FOLDER / "case" / "submodel.toml"))
 for note in part.notes:
     print(note)

@@ -19,7 +19,7 @@ import numpy as np
 
 from fretfe.analytic.profiles import Hertz
 from fretfe.backends.halfplane import BACKEND as HALF_PLANES
-from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.backends.protocol import DEFAULTS, Backend, RunOptions
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
@@ -27,7 +27,7 @@ from fretfe.idealise import HalfPlaneProblem, NotIdealisable, idealise, obstacle
 from fretfe.results.model import Result
 
 
-class TwoTerms:
+class TwoTerms(Backend):
     """Hertz contacts under a constant normal force and a shear force."""
 
     summary = "Hertz under a shear force: slip lengths from two terms of their expansion"

@@ -8,16 +8,12 @@ from fretfe.backends.protocol import (
     Backend,
     Installed,
     Observer,
-    OneProcess,
-    ParallelBackend,
     Processes,
     RunOptions,
     Session,
-    SharingBackend,
     backend_names,
     find_backend,
     installed_backends,
-    processes_of,
 )
 
 __all__ = [
@@ -25,14 +21,10 @@ __all__ = [
     "Backend",
     "Installed",
     "Observer",
-    "OneProcess",
-    "ParallelBackend",
     "Processes",
     "RunOptions",
     "Session",
-    "SharingBackend",
     "backend_names",
     "find_backend",
     "installed_backends",
-    "processes_of",
 ]

@@ -9,7 +9,7 @@ from dataclasses import replace
 from functools import partial
 from itertools import chain
 
-from fretfe.backends.protocol import DEFAULTS, RunOptions, field_obstacles
+from fretfe.backends.protocol import DEFAULTS, Backend, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
@@ -90,7 +90,7 @@ def _limits(
     return (*own, *chain.from_iterable(size_limits(each, problem) for each in contacts))
 
 
-class HalfPlaneBackend:
+class HalfPlaneBackend(Backend):
     """Half-planes with any symmetric profile under any history of P, Q, M and sigma0."""
 
     summary = "semi-analytical half-planes: pads on large blocks, any load history"

@@ -37,7 +37,7 @@ from fretfe.evaluate.resolution import (
     station_values,
 )
 from fretfe.faults import guarded
-from fretfe.files import disk_reason, replace_text
+from fretfe.files import replace_text, writing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.mesh.load import makes_solids
 from fretfe.mesh.mesh import Mesh, count_unknowns
@@ -123,11 +123,9 @@ class Passes(ABC):
             return
         count = len(self._done)
         note = with_digest({"passes": count, **self._noted()})
-        try:
+        with writing(states / NOTE, "the sizes of the next mesh"):
             replace_text(states / NOTE, json.dumps(note))
             shutil.rmtree(states / f"mesh-{count}", ignore_errors=True)
-        except OSError as error:
-            raise OutputError(f"{states}: cannot be written: {disk_reason(error)}") from error
 
     def recall(self, last: Result | None, states: Path | None) -> bool:
         """Go on after the passes that an earlier run has noted; return False if there are none.

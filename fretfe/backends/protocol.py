@@ -7,12 +7,12 @@ A backend turns a case into the histories of its contacts.
 from __future__ import annotations
 
 import signal
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Protocol, TypeVar, runtime_checkable
+from typing import TypeVar
 
 from fretfe.case import Case
 from fretfe.environment import memory_shortage, missing_package, rank_from_environment
@@ -137,17 +137,43 @@ class RunOptions:
 DEFAULTS = RunOptions()
 
 
-@runtime_checkable
-class Backend(Protocol):
-    """Turns cases into results."""
+class Processes:
+    """The processes that a backend runs on: one, unless a subclass has others."""
+
+    # Whether errors may happen on one process alone, for which the others would wait.
+    shared = False
 
     @property
-    def summary(self) -> str:
-        """Kind of cases that it solves, in one line."""
+    def rank(self) -> int:
+        """Number of this process, as the launcher announces it."""
+        return rank_from_environment()
 
+    @property
+    def idle(self) -> bool:
+        """True on processes that a launcher has started beside a backend that runs on one."""
+        return self.rank > 0
+
+    def on_root(self, work: Callable[[], T]) -> T:
+        """Do `work` on rank 0 and give its result, or its error, to all processes. Collective."""
+        return work()
+
+
+class Backend(ABC):
+    """Turns cases into results.
+
+    Attributes:
+        summary: kind of cases that it solves, in one line.
+        processes: each of which has to call `solve`.
+    """
+
+    summary: str
+    processes: Processes = Processes()
+
+    @abstractmethod
     def supports(self, case: Case) -> tuple[str, ...]:
         """Reasons why this backend cannot solve a case; empty if it can. Does no heavy work."""
 
+    @abstractmethod
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve the load history of a case; the name of the backend is left empty.
 
@@ -156,101 +182,38 @@ class Backend(Protocol):
                 `Result.failure` for a history that was not finished.
         """
 
-
-class Processes(Protocol):
-    """The processes that a backend runs on."""
-
-    @property
-    def rank(self) -> int:
-        """Number of this process."""
-
-    def on_root(self, work: Callable[[], T]) -> T:
-        """Do `work` on rank 0 and give its result, or its error, to all processes. Collective."""
+    def session(self) -> Session:
+        """A session for cases in a row, which has nothing yet."""
+        return Session(self)
 
 
-@runtime_checkable
-class ParallelBackend(Backend, Protocol):
-    """A backend whose `solve` is collective over several processes."""
+class Session:
+    """Cases that are solved one after the other; a subclass shares what can be shared.
 
-    @property
-    def processes(self) -> Processes:
-        """All processes, each of which has to call `solve`."""
+    Args:
+        backend: that solves them.
+    """
 
-
-class Session(Protocol):
-    """Cases that are solved one after the other and share what can be shared."""
+    def __init__(self, backend: Backend) -> None:
+        self._backend = backend
 
     def group(self, case: Case) -> str:
         """Equal for cases that share the most; they are best solved in a row."""
-
-    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
-        """As `Backend.solve`."""
-
-    def close(self) -> None:
-        """Give back what is kept."""
-
-
-@runtime_checkable
-class CopiedSession(Session, Protocol):
-    """A session that also serves in copies of its process, which `fork` makes.
-
-    Optional; sessions without this method are used in their own process alone.
-    """
-
-    def copies(self) -> int:
-        """Number that may solve cases beside one another with what is kept; settles it for them."""
-
-
-@runtime_checkable
-class SharingBackend(Backend, Protocol):
-    """A backend that needs less than the sum of their times for several cases."""
-
-    def session(self) -> Session:
-        """A session that has nothing yet."""
-
-
-@dataclass(frozen=True)
-class _Separate:
-    """Cases that share nothing."""
-
-    backend: Backend
-
-    def group(self, case: Case) -> str:
         return ""
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
-        return self.backend.solve(case, options)
+        """As `Backend.solve`."""
+        return self._backend.solve(case, options)
+
+    def copies(self) -> int:
+        """Number of forked copies of this process that may solve cases beside one another.
+
+        One is this process alone. Settles for them what is kept.
+        """
+        return 1
 
     def close(self) -> None:
-        """Nothing is kept."""
-
-
-@contextmanager
-def session_of(backend: Backend) -> Iterator[Session]:
-    """A session for cases in a row, which share what the backend lets them. Collective if it is."""
-    session = backend.session() if isinstance(backend, SharingBackend) else _Separate(backend)
-    try:
-        yield session
-    finally:
-        session.close()
-
-
-class OneProcess:
-    """A backend that runs on one process; others that a launcher started have nothing to do."""
-
-    @property
-    def rank(self) -> int:
-        """Number of this process, as the launcher announces it."""
-        return rank_from_environment()
-
-    def on_root(self, work: Callable[[], T]) -> T:
-        """Do `work`."""
-        return work()
-
-
-def processes_of(backend: Backend | None) -> Processes:
-    """Return the processes that a backend runs on; one if it cannot be used."""
-    return backend.processes if isinstance(backend, ParallelBackend) else OneProcess()
+        """Give back what is kept. Collective if the backend is."""
 
 
 def field_obstacles(case: Case) -> tuple[str, ...]:
@@ -275,6 +238,11 @@ class Installed:
     package: str
     backend: Backend | None
     reason: str = ""
+
+    @property
+    def processes(self) -> Processes:
+        """Those of the backend; one if it cannot be used."""
+        return Processes() if self.backend is None else self.backend.processes
 
 
 def backend_names() -> tuple[str, ...]:
@@ -341,6 +309,6 @@ def _load(entry: EntryPoint) -> Installed:
         reason = missing_package(error) or str(error) or type(error).__name__
         return Installed(entry.name, package, None, reason)
     if not isinstance(backend, Backend):
-        reason = f"{entry.value}: expected an object with summary, supports and solve"
+        reason = f"{entry.value}: expected a fretfe.backends.Backend"
         return Installed(entry.name, package, None, f"{reason}, found {type(backend).__name__}")
     return Installed(entry.name, package, backend)

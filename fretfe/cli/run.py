@@ -88,7 +88,7 @@ def run(
     from fretfe.runner import Runner
 
     runner = Runner.find(backend)
-    if runner.idle:
+    if runner.processes.idle:
         return
     read = runner.read_case(ahead.case if ahead else reader)
     mesh = ahead.mesh if ahead else None
@@ -239,7 +239,7 @@ def sweep(
 
     verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
     runner = Runner.find(backend)
-    if runner.idle:
+    if runner.processes.idle:
         return
     ranges = parse_ranges(vary)
     read = runner.read_case(_reader(case, overrides, trust_geo=trust_geo))
@@ -347,7 +347,7 @@ def validate(
 
     verbosity = verbosity_of(quiet, verbose)
     runner = Runner.find(backend)
-    if runner.idle:
+    if runner.processes.idle:
         return
     read = runner.read_case(_reader(case, overrides, trust_geo=trust_geo))
     with PhaseReport(case.name, runner.processes.rank, verbosity) as report:

@@ -11,7 +11,7 @@ from typing import Any, TypeVar
 import numpy as np
 import scipy.linalg
 
-from fretfe.backends.protocol import DEFAULTS, Processes, RunOptions, Session
+from fretfe.backends.protocol import DEFAULTS, Backend, Processes, RunOptions, Session
 from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
     address_room,
@@ -83,8 +83,11 @@ def take_work_space() -> None:
         each.destroy()
 
 
-class MpiProcesses:
-    """All processes of MPI's world."""
+class MpiProcesses(Processes):
+    """All processes of MPI's world, none of which is idle."""
+
+    shared = MPI.COMM_WORLD.size > 1
+    idle = False
 
     @property
     def rank(self) -> int:
@@ -96,15 +99,11 @@ class MpiProcesses:
         return on_root(MPI.COMM_WORLD, work)
 
 
-class FemBackend:
+class FemBackend(Backend):
     """The augmented-Lagrangian contact model in DOLFINx."""
 
     summary = "finite elements (DOLFINx): any two-body geometry"
-
-    @property
-    def processes(self) -> Processes:
-        """All processes of MPI's world."""
-        return MpiProcesses()
+    processes = MpiProcesses()
 
     def supports(self, case: Case) -> tuple[str, ...]:
         """Every case; what is wrong with a mesh is found when it is read."""
@@ -120,14 +119,21 @@ class FemBackend:
 
     def session(self) -> Session:
         """Solves cases one after the other, with one model as long as it fits."""
-        return FemSession()
+        return FemSession(self)
 
 
-class FemSession:
-    """Cases that share a model: it is built once for those that follow each other."""
+class FemSession(Session):
+    """Cases that share a model: it is built anew only if the one that is there does not fit.
 
-    def __init__(self) -> None:
-        self._cache = ModelCache(MPI.COMM_WORLD)
+    Args:
+        backend: that solves them.
+    """
+
+    def __init__(self, backend: Backend) -> None:
+        super().__init__(backend)
+        self._comm = MPI.COMM_WORLD
+        self._key = ""
+        self._prepared: Prepared | None = None
 
     def group(self, case: Case) -> str:
         """Equal for cases that share a model."""
@@ -135,15 +141,37 @@ class FemSession:
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """As `FemBackend.solve`. Collective."""
-        return _solve(case, options, self._cache.solve)
+        return _solve(case, options, self._solve_on)
+
+    def _solve_on(self, case: Case, options: RunOptions, load: LoadMesh) -> Result:
+        """Solve a case on one mesh; arguments and errors as `fretfe.fem.run.solve`."""
+        clock, key = Clock(options.doing), model_key(case)
+        history = load_history(self._comm, case, options)
+        if self._prepared is None or key != self._key:
+            self.close()
+            self._prepared = build_model(self._comm, case, clock, load)
+            self._key = key
+        return solve_prepared(self._prepared, case, history, options, clock)
 
     def copies(self) -> int:
-        """Number of processes that may solve cases of this model beside one another."""
-        return self._cache.copies()
+        """Number of copies of this process that may solve cases with the model that is there.
+
+        One, so none besides this process, on several ranks, and where they would share the place in
+        a file of factors. Each takes less than what this process has had at most.
+        """
+        ready = self._prepared
+        if self._comm.size > 1 or sys.platform != "linux" or ready is None or ready.model.on_disk:
+            return 1
+        ready.settle()
+        room = OF_MEMORY * (machine_memory() or 0.0) / peak_memory() - 1
+        cores = (idle_cores() + 1) // linear_algebra_threads()
+        return max(1, min(cores, int(room)))
 
     def close(self) -> None:
         """Give the model back. Collective."""
-        self._cache.clear()
+        meshes = self._prepared.meshes if self._prepared is not None else []
+        self._prepared = None
+        release(meshes)
 
 
 def _solve(case: Case, options: RunOptions, solve_case: SolveCase) -> Result:
@@ -176,42 +204,3 @@ def model_key(case: Case) -> str:
     # The label of the unit of length decides how a STEP file is read.
     place = f"{' '.join(places)} {case.units.length} " if places else ""
     return place + repr(case.model_dump(mode="json", exclude=FREE))
-
-
-class ModelCache:
-    """Solves cases one after the other; builds a model only if the one that it has does not fit."""
-
-    def __init__(self, comm: MPI.Comm) -> None:
-        self._comm = comm
-        self._key = ""
-        self._prepared: Prepared | None = None
-
-    def solve(self, case: Case, options: RunOptions, load: LoadMesh) -> Result:
-        """Solve the load history of a case; arguments and errors as `fretfe.fem.run.solve`."""
-        clock, key = Clock(options.doing), model_key(case)
-        history = load_history(self._comm, case, options)
-        if self._prepared is None or key != self._key:
-            self.clear()
-            self._prepared = build_model(self._comm, case, clock, load)
-            self._key = key
-        return solve_prepared(self._prepared, case, history, options, clock)
-
-    def copies(self) -> int:
-        """Number of copies of this process that may solve cases with the model that is there.
-
-        One, so none besides this process, on several ranks, and where they would share the place in
-        a file of factors. Each takes less than what this process has had at most.
-        """
-        ready = self._prepared
-        if self._comm.size > 1 or sys.platform != "linux" or ready is None or ready.model.on_disk:
-            return 1
-        ready.settle()
-        room = OF_MEMORY * (machine_memory() or 0.0) / peak_memory() - 1
-        cores = (idle_cores() + 1) // linear_algebra_threads()
-        return max(1, min(cores, int(room)))
-
-    def clear(self) -> None:
-        """Give the model back."""
-        meshes = self._prepared.meshes if self._prepared is not None else []
-        self._prepared = None
-        release(meshes)

@@ -4,8 +4,7 @@
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -15,13 +14,12 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.errors import OutputError
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import ElasticBody, stress_pairs
 from fretfe.fem.model import Model, Request, Share
 from fretfe.fem.parallel import Lead, agreed, share_out
 from fretfe.fem.probes import Probe, measure
-from fretfe.files import disk_reason
+from fretfe.files import writing
 from fretfe.local.problem import Batch, EdgeSlip
 from fretfe.results.field_files import FieldWriter
 
@@ -229,7 +227,7 @@ class FieldOutput:
     def __init__(self, fields: FieldSource, path: Path) -> None:
         self._fields, self._path = fields, path
         nodes = fields.element_nodes()
-        with self._disk_errors():
+        with writing(self._path, "the fields"):
             self._writer = FieldWriter(path, nodes)
 
     def close(self) -> None:
@@ -239,16 +237,8 @@ class FieldOutput:
     def add(self, time: float, request: Request) -> None:
         """Append a state."""
         values = self._fields.element_values(request)
-        with self._disk_errors():
+        with writing(self._path, "the fields"):
             self._writer.add(time, values)
-
-    @contextmanager
-    def _disk_errors(self) -> Iterator[None]:
-        try:
-            yield
-        except OSError as error:
-            reason = disk_reason(error)
-            raise OutputError(f"{self._path}: the fields cannot be written: {reason}") from error
 
 
 class StressPoints:

@@ -31,7 +31,7 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Indices
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, make_folder, open_own, replacing, sync
+from fretfe.files import disk_reason, make_folder, open_own, replacing, sync, writing
 from fretfe.history.state_array import StateArray, states_in_block
 
 # Folder of the states in that of the results, and the file in it.
@@ -374,15 +374,10 @@ def write_checkpoint(directory: Path, checkpoint: Checkpoint) -> None:
     # A copy: collecting a view of its buffer, which an error may keep, has crashed Python 3.12.
     data = file.getvalue()
     last = directory / CHECKPOINT
-    try:
-        with replacing(last) as new:
-            new.write_bytes(data + sha256(data).digest())
-            if last.exists():
-                last.replace(directory / BEFORE)
-    except OSError as error:
-        raise OutputError(
-            f"{directory}: the states of the history cannot be noted: {disk_reason(error)}"
-        ) from error
+    with writing(last, "the states of the history"), replacing(last) as new:
+        new.write_bytes(data + sha256(data).digest())
+        if last.exists():
+            last.replace(directory / BEFORE)
 
 
 def read_checkpoint(path: Path) -> Checkpoint | None:

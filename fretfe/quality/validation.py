@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
+from contextlib import closing
 from dataclasses import asdict, dataclass, replace
 from functools import partial
 from itertools import chain
@@ -15,8 +16,8 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from fretfe.backends import Backend, RunOptions, processes_of
-from fretfe.backends.protocol import DEFAULTS, Session, session_of
+from fretfe.backends import Backend, RunOptions
+from fretfe.backends.protocol import DEFAULTS, Session
 from fretfe.case import Case
 from fretfe.console import Console
 from fretfe.environment import peak_memory
@@ -111,13 +112,13 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
     Raises:
         FretfeError: if the case itself cannot be solved.
     """
-    with session_of(backend) as session:
+    with closing(backend.session()) as session:
         options.observer.phase("the case itself")
         result = session.solve(case, options)
         if result.failure is not None:
             raise result.failure
         options.keep(result)
-        on_root = processes_of(backend).on_root
+        on_root = backend.processes.on_root
         rows = on_root(lambda: _own_rows(result))
         variants, reasons = on_root(lambda: make_variants(case, result))
         rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]

@@ -3,22 +3,18 @@
 
 from __future__ import annotations
 
-import sys
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from fretfe.backends import (
     SILENT,
     Backend,
     Installed,
     Observer,
-    OneProcess,
-    ParallelBackend,
-    Processes,
     backend_names,
     installed_backends,
-    processes_of,
 )
 from fretfe.case import Case
 from fretfe.errors import CaseError, FretfeError
@@ -157,13 +153,12 @@ def verify(
     for benchmark in (*benchmarks(), *controls()):
         found: list[Row] = []
         for installed in chosen:
-            processes = processes_of(installed.backend)
-            if isinstance(processes, OneProcess) and processes.rank > 0:
+            if installed.processes.idle:
                 continue
             start = time.perf_counter()
-            if processes.rank == 0:
+            if installed.processes.rank == 0:
                 observer.phase(f"{benchmark.name}: {installed.name}")
-            found += run_benchmark(benchmark, installed, processes)
+            found += run_benchmark(benchmark, installed)
             seconds[installed.name] += time.perf_counter() - start
         if show is not None:
             show(benchmark, found)
@@ -183,15 +178,13 @@ def _choose(names: Sequence[str]) -> tuple[Installed, ...]:
 
 def _agree(chosen: Sequence[Installed], passed: bool) -> bool:
     """Give the verdict of rank 0 to all processes: the others have not run every backend."""
-    for installed in chosen:
-        if isinstance(installed.backend, ParallelBackend):
-            return processes_of(installed.backend).on_root(lambda: passed)
-    return passed or OneProcess().rank > 0
+    active = [each.processes for each in chosen if not each.processes.idle]
+    for processes in active:
+        passed = processes.on_root(partial(bool, passed))
+    return passed or not active
 
 
-def run_benchmark(
-    benchmark: Benchmark, installed: Installed, processes: Processes
-) -> tuple[Row, ...]:
+def run_benchmark(benchmark: Benchmark, installed: Installed) -> tuple[Row, ...]:
     """Compare a backend's numbers with the known ones. Collective over the backend's processes.
 
     Whatever a backend raises becomes a row, but for one thing: an error that is none of fretfe's
@@ -199,8 +192,7 @@ def run_benchmark(
     others would wait for it, so it ends the run.
     """
     backend = installed.backend
-    several = isinstance(backend, ParallelBackend) and not _alone()
-    expected = FretfeError if several else Exception
+    expected = FretfeError if installed.processes.shared else Exception
     try:
         if backend is None:
             return (remark(benchmark.name, installed.name, Verdict.SKIPPED, installed.reason),)
@@ -208,7 +200,7 @@ def run_benchmark(
             return (remark(benchmark.name, installed.name, Verdict.SKIPPED, "; ".join(reasons)),)
         twin = None if benchmark.twin is None else _solve(backend, benchmark.twin)
         result = _solve(backend, benchmark.case)
-        rows = processes.on_root(
+        rows = installed.processes.on_root(
             lambda: tuple(
                 compare(benchmark.name, quantity.against(twin), installed.name, result)
                 for quantity in benchmark.quantities
@@ -225,12 +217,6 @@ def _solve(backend: Backend, case: Case) -> Result:
     if result.failure is not None:
         raise result.failure
     return result
-
-
-def _alone() -> bool:
-    """True if MPI is in use and this is its only process; a parallel backend has loaded it."""
-    mpi = sys.modules.get("mpi4py.MPI")
-    return mpi is not None and mpi.COMM_WORLD.size == 1
 
 
 def _failure(benchmark: Benchmark, name: str, error: Exception) -> Row:

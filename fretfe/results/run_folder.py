@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from fretfe.errors import OutputError
-from fretfe.files import disk_reason, file_fault, open_own, replace_text
+from fretfe.files import disk_reason, file_fault, open_own, replace_text, writing
 
 MARK = "run.json"
 LOCK = "run.lock"
@@ -182,10 +182,8 @@ def write_mark(directory: Path, mark: Mapping[str, Any]) -> None:
     who = {"process": os.getpid(), "host": socket.gethostname()}
     said = with_digest({"schema": SCHEMA, **who, **mark})
     text = json.dumps(said, indent=1, allow_nan=False)
-    try:
+    with writing(directory / MARK, "the mark of a run"):
         replace_text(directory / MARK, text + "\n")
-    except OSError as error:
-        raise OutputError(f"{directory / MARK}: cannot be written: {disk_reason(error)}") from error
 
 
 def read_mark(directory: Path) -> dict[str, Any] | None:

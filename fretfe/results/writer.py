@@ -32,7 +32,13 @@ from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.resultants import load_extremes, station_extremes
 from fretfe.evaluate.slip import cycle_states
 from fretfe.faults import FAULTS, guarded
-from fretfe.files import disk_reason, make_folder, replace_text, replacing, require_writable
+from fretfe.files import (
+    make_folder,
+    replace_text,
+    replacing,
+    require_writable,
+    writing,
+)
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
 from fretfe.mesh.mesh import BodyMesh
@@ -47,7 +53,10 @@ NUMBERS = "results.json"
 ARRAYS = "results.h5"
 REPORT = "report.html"
 # Of a sweep: table, picture, and the variants as they are solved.
-TABLE, FIGURE, VARIANTS = SWEEP_FILES = "sweep.csv", "sweep.png", "variants.jsonl"
+TABLE = "sweep.csv"
+FIGURE = "sweep.png"
+VARIANTS = "variants.jsonl"
+SWEEP_FILES = (TABLE, FIGURE, VARIANTS)
 # Where pictures are in a results folder, and what lists them there.
 PICTURES = "pictures"
 PICTURE_LIST = "pictures.json"
@@ -133,7 +142,7 @@ def write_results(directory: Path, result: Result) -> None:
     Raises:
         OutputError: if a file cannot be written.
     """
-    try:
+    with writing(directory, "the results"):
         lists: dict[str, Array] = {}
         numbers = with_digest(as_numbers(result, lists))
         text = json_text(numbers)
@@ -151,10 +160,6 @@ def write_results(directory: Path, result: Result) -> None:
         _attempt(directory / CYCLES_FILE, lambda path: write_cycles(path, result.contacts, times))
         if late is not None:
             raise late
-    except OSError as error:
-        raise OutputError(
-            f"{directory}: the results cannot be written: {disk_reason(error)}"
-        ) from error
 
 
 def json_text(value: Any, line: str = "\n") -> str:

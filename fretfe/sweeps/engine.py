@@ -9,6 +9,7 @@ import re
 import time
 import tomllib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import closing
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
@@ -16,8 +17,8 @@ from typing import Any
 
 import numpy as np
 
-from fretfe.backends import Backend, Observer, RunOptions, processes_of
-from fretfe.backends.protocol import CopiedSession, Session, session_of
+from fretfe.backends import Backend, Observer, RunOptions
+from fretfe.backends.protocol import Session
 from fretfe.bodies.input_files import input_digests
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
@@ -243,7 +244,7 @@ def run_sweep(
     """
     solved = dict(known or {})
     stopped: StoppedError | None = None
-    with session_of(backend) as session:
+    with closing(backend.session()) as session:
 
         def solve(number: int, observer: Observer) -> Solved:
             folder = options.states and options.states / f"variant-{number + 1}"
@@ -288,7 +289,7 @@ def _solve_group(
     while left:
         number = left.pop(0)
         yield number, solve(number, options.observer)
-        copies = session.copies() if len(left) > 1 and isinstance(session, CopiedSession) else 1
+        copies = session.copies() if len(left) > 1 else 1
         if copies > 1:
             options.doing(f"{len(left)} cases, {min(copies, len(left))} at a time")
             # Neighbours in one copy: they may begin alike.
@@ -332,7 +333,7 @@ def _records(result: Result) -> tuple[tuple[Mapping[str, Any], ...], str]:
 
 def _changed_files(variant: Variant, backend: Backend) -> str:
     """Say that files are no longer those with which the sweep began; empty if they are."""
-    now = processes_of(backend).on_root(lambda: input_digests(variant.case))
+    now = backend.processes.on_root(lambda: input_digests(variant.case))
     then = variant.inputs
     names = [path for path in {**then, **now} if then.get(path) != now.get(path)]
     return f"{', '.join(names)}: changed since the sweep began" if names else ""

@@ -142,7 +142,7 @@ BROKEN = {
     "incomplete": (
         "class Half:\n    summary = 'no solve'\nBACKEND = Half()",
         "BACKEND",
-        ["summary, supports and solve", "found Half"],
+        ["fretfe.backends.Backend", "found Half"],
     ),
     "nameless": ("", "BACKEND", ["BACKEND"]),
     "absent": (None, "BACKEND", ["No module named 'absent'"]),

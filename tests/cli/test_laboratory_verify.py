@@ -13,13 +13,16 @@ import pytest
 from harness.launch import fretfe, python
 from typer.testing import CliRunner
 
-from fretfe.backends import Backend, Installed
+from fretfe.backends import Backend, Installed, RunOptions
+from fretfe.backends.protocol import DEFAULTS
+from fretfe.case import Case
 from fretfe.cli.app import app
 from fretfe.cli.run import verify as verify_backends
 from fretfe.errors import CaseError
 from fretfe.quality import verification
 from fretfe.quality.comparison import Benchmark
 from fretfe.quality.verification import benchmarks, controls
+from fretfe.results.model import Result
 
 KEYS = {
     "benchmark", "quantity", "backend", "computed", "reference", "difference", "tolerance",
@@ -130,15 +133,15 @@ def test_nothing_run_fails(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "Nothing was verified" in output
 
 
-class Broken:
+class Broken(Backend):
     """A backend that crashes."""
 
     summary = "broken"
 
-    def supports(self, case: object) -> tuple[str, ...]:
+    def supports(self, case: Case) -> tuple[str, ...]:
         return ()
 
-    def solve(self, case: object, options: object = None) -> Any:
+    def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         raise IndexError("index 7 is out of bounds")
 
 

@@ -146,7 +146,7 @@ def test_fields_that_cannot_be_written_take_nothing_away(tmp_path: Path) -> None
     result = solve(MPI.COMM_SELF, case, RunOptions(fields=tmp_path / "nowhere" / FIELDS))
     assert result.failure is None
     (note,) = result.notes
-    assert "fields.hdf: the fields cannot be written" in note
+    assert "fields.hdf: cannot write the fields" in note
 
 
 def test_a_file_that_holds_no_fields(tmp_path: Path) -> None:

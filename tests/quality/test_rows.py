@@ -16,7 +16,7 @@ from cases.pad_cases import pad, press, shear
 from harness.launch import fretfe, python
 from harness.told import Told
 
-from fretfe.backends import RunOptions, find_backend
+from fretfe.backends import Backend, RunOptions, find_backend
 from fretfe.case import Case, parse_case
 from fretfe.evaluate.contacts import SlipZone, fronts_of
 from fretfe.evaluate.evaluate import evaluate
@@ -232,7 +232,7 @@ def test_validation_of_half_planes() -> None:
     assert verdicts(list(validation.rows), f"d {START}") == {"agrees"}
 
 
-class Sliding:
+class Sliding(Backend):
     """The half-plane backend, with a wrong answer about any other history."""
 
     summary = "for a test"

@@ -3,16 +3,13 @@
 
 from __future__ import annotations
 
-import sys
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from types import SimpleNamespace
 from typing import TypeVar
 
 import numpy as np
 import pytest
 
-from fretfe.backends import Installed, Processes, RunOptions
+from fretfe.backends import Backend, Installed, Processes, RunOptions
 from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.errors import ConvergenceError, ModelError
@@ -26,17 +23,8 @@ T = TypeVar("T")
 RESULT = Result(loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), (), None)
 
 
-class Alone:
-    """One process."""
-
-    rank = 0
-
-    def on_root(self, work: Callable[[], T]) -> T:
-        return work()
-
-
 @dataclass
-class Stub:
+class Stub(Backend):
     """A backend that returns or raises what it is told to."""
 
     outcome: Result | Exception = RESULT
@@ -52,12 +40,16 @@ class Stub:
         return self.outcome
 
 
+class Several(Processes):
+    """More than one process."""
+
+    shared = True
+
+
 class ParallelStub(Stub):
     """The same on several processes."""
 
-    @property
-    def processes(self) -> Processes:
-        return Alone()
+    processes = Several()
 
 
 def benchmark(*values: float, control: bool = False) -> Benchmark:
@@ -73,7 +65,7 @@ def run(
     backend: Stub | None, *values: float, control: bool = False, reason: str = ""
 ) -> tuple[Row, ...]:
     installed = Installed("stub", "package 1.0", backend, reason)
-    return run_benchmark(benchmark(*values, control=control), installed, Alone())
+    return run_benchmark(benchmark(*values, control=control), installed)
 
 
 def test_every_quantity_gets_a_row() -> None:
@@ -131,31 +123,15 @@ def test_known_values_of_a_twin() -> None:
     case, twin = loop_case(TENSION_ONLY, friction=0.303), loop_case(TENSION_ONLY, friction=0.3)
     same = Quantity("friction", np.nan, np.nan, {"stub": 0.02}, friction, of_twin=friction)
     given = Benchmark("name", "source", case, (same,), twin=twin)
-    (row,) = run_benchmark(given, Installed("stub", "package 1.0", Numbered()), Alone())
+    (row,) = run_benchmark(given, Installed("stub", "package 1.0", Numbered()))
     assert (row.computed, row.reference, row.verdict) == (0.303, 0.3, "agrees")
     assert row.difference == pytest.approx(0.01)
 
 
-def mpi(size: int) -> SimpleNamespace:
-    return SimpleNamespace(COMM_WORLD=SimpleNamespace(size=size))
-
-
-@pytest.mark.parametrize("module", [mpi(2), None], ids=["two", "unknown"])
-def test_crash_on_several_processes_ends_the_run(
-    monkeypatch: pytest.MonkeyPatch, module: object
-) -> None:
+def test_crash_on_several_processes_ends_the_run() -> None:
     # It may have happened on one process alone, for which the others would wait.
-    monkeypatch.setitem(sys.modules, "mpi4py.MPI", module)
     with pytest.raises(ZeroDivisionError):
         run(ParallelStub(ZeroDivisionError()), 1.0)
-
-
-def test_crash_of_a_parallel_backend_on_one_process_is_a_failed_row(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setitem(sys.modules, "mpi4py.MPI", mpi(1))
-    (row,) = run(ParallelStub(ZeroDivisionError("by zero")), 1.0)
-    assert (row.verdict, row.reason) == ("failed", "ZeroDivisionError: by zero")
 
 
 @pytest.mark.parametrize(

@@ -19,7 +19,6 @@ from fretfe.quality.cycles import LOOPS, SHORTEST
 from fretfe.quality.loading import FRICTION, MESH, SLOPE
 from fretfe.quality.solids import PAD_MESH, hertz_ellipse
 from fretfe.quality.verification import benchmarks, controls, run_benchmark
-from fretfe.runner import OneProcess
 
 pytestmark = pytest.mark.formula
 
@@ -37,7 +36,7 @@ NOT_FOR_HALF_PLANES = {
 
 def run(benchmark: Benchmark) -> tuple[Row, ...]:
     installed = Installed("halfplane", "", find_backend("halfplane"))
-    return run_benchmark(benchmark, installed, OneProcess())
+    return run_benchmark(benchmark, installed)
 
 
 @pytest.mark.parametrize("name", [name for name in BENCHMARKS if name not in NOT_FOR_HALF_PLANES])

@@ -17,9 +17,9 @@ from cases.pad_cases import pad
 from harness.told import Told
 from rich.console import Console
 
-from fretfe.backends import Observer, RunOptions, SharingBackend
+from fretfe.backends import Backend, Observer, RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
-from fretfe.backends.protocol import DEFAULTS
+from fretfe.backends.protocol import DEFAULTS, Session
 from fretfe.case import Case, changed, parse_case
 from fretfe.errors import ConvergenceError
 from fretfe.results.model import Result
@@ -61,7 +61,7 @@ def test_what_cannot_be_solved_says_why_and_keeps_nothing_from_being_solved() ->
 
 
 @dataclass
-class Recording:
+class Recording(Backend, Session):
     """A backend that shares what has the same radius, and cannot finish a radius of 40."""
 
     summary = "records what it is asked for"
@@ -90,7 +90,6 @@ class Recording:
 
 def test_cases_that_share_the_most_are_solved_in_a_row_and_listed_in_order() -> None:
     backend, told = Recording(), Told()
-    assert isinstance(backend, SharingBackend)
     variants = make_variants(parse_case(pad()), {FRICTION: (0.4, 0.5), RADIUS: (50, 40)})
     sweep = run_sweep(variants, backend, RunOptions(observer=told))
     assert backend.solved == [(0.4, 50), (0.5, 50), (0.4, 40), (0.5, 40)]

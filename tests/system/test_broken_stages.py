@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -12,7 +13,7 @@ import pytest
 from cases.pad_cases import pad, press, shear
 
 from fretfe.backends import RunOptions, find_backend
-from fretfe.backends.protocol import Session, session_of
+from fretfe.backends.protocol import Session
 from fretfe.case import Case, parse_case
 from fretfe.faults import collecting
 from fretfe.fem._compat import MPI
@@ -47,7 +48,7 @@ def case() -> Case:
 @pytest.fixture(scope="module")
 def session(case: Case) -> Iterator[Session]:
     """Bodies that are condensed once."""
-    with session_of(find_backend("fem")) as made:
+    with closing(find_backend("fem").session()) as made:
         yield made
 
 

@@ -9,7 +9,7 @@ import pytest
 from harness.launch import python
 
 from fretfe.backends import Installed
-from fretfe.fem.backend import BACKEND, MpiProcesses
+from fretfe.fem.backend import BACKEND
 from fretfe.quality.comparison import Benchmark, Row
 from fretfe.quality.verification import benchmarks, controls, run_benchmark
 
@@ -25,7 +25,7 @@ QUICK = (
 
 
 def run(benchmark: Benchmark) -> tuple[Row, ...]:
-    return run_benchmark(benchmark, Installed("fem", "", BACKEND), MpiProcesses())
+    return run_benchmark(benchmark, Installed("fem", "", BACKEND))
 
 
 def check(name: str) -> None:

@@ -25,7 +25,7 @@ from typing import Any
 from fretfe.environment import idle_cores, without_launcher
 from fretfe.errors import OutputError
 from fretfe.faults import guarded, note_fault
-from fretfe.files import replace_text, replacing, require_file, stranger_in
+from fretfe.files import replace_text, replacing, require_file, stranger_in, writing
 from fretfe.report.pictures.looks import Wanted, plan_pictures
 from fretfe.report.pictures.mesh import draw_status
 from fretfe.report.pictures.panels import save_png
@@ -88,13 +88,11 @@ def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda 
     remove_pictures(directory)
     wanted = plan_pictures(run)
     reports = {each.file: {"reason": reason} for each in wanted if (reason := _lacks(run, each))}
-    try:
+    with writing(directory / PICTURES, "pictures"):
         (directory / PICTURES).mkdir(exist_ok=True)
         missing = [each for each in wanted if each.file not in reports]
         reports |= _draw(run, missing, meanwhile)
         _write_list(directory, wanted, reports)
-    except OSError as error:
-        raise OutputError(f"{directory / PICTURES}: cannot write pictures: {error}") from error
 
 
 def _lacks(run: Result, wanted: Wanted) -> str:
