@@ -107,7 +107,8 @@ def holders(constant: Constant) -> list[ModuleType]:
 
 @cache
 def _imports(module: ModuleType, constant: Constant) -> bool:
-    tree = ast.parse(Path(str(module.__file__)).read_text("utf-8"))
+    path = Path(str(module.__file__))
+    tree = ast.parse(path.read_text("utf-8") if path.suffix == ".py" else "")
     return any(
         isinstance(node, ast.ImportFrom)
         and node.module == constant.module
