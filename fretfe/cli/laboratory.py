@@ -282,8 +282,9 @@ def _shown(found: StrengthMap) -> list[Margin]:
 def _strength_table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
     from rich.markup import escape
 
-    units = found.tests.units
-    k_n, k_t = f"{units.stress}/√{units.length}", f"{units.stress}·√{units.length}"
+    from fretfe.results.tables import unit
+
+    k_n, k_t = (unit(kind, found.tests.units, solid=False) for kind in ("k_n", "k_t"))
     title = escape(f"Strength at {found.life:g} cycles, K_N in {k_n}, ΔK_T in {k_t}")
     headers = ("edge", "K_N", "ΔK_T", "strength", "margin", "95 % of parts")
     table = plain_table(title, headers, text=1)

@@ -40,15 +40,21 @@ class Quantity:
     Attributes:
         kind: of quantity, a key of `fretfe.results.tables.UNITS`; empty for pure numbers.
         meaning: in words.
+        symbol: in tables and figures; empty if it has none.
     """
 
     kind: str
     meaning: str
+    symbol: str = ""
 
 
 def quantities(owner: type) -> dict[str, Quantity]:
-    """The fields of `Station` or `Contact` that have a unit and a meaning, by name."""
+    """The fields and properties of `Station` or `Contact` with unit and meaning, by name."""
     hints = get_type_hints(owner, include_extras=True)
+    read = {name: each.fget for name, each in vars(owner).items() if isinstance(each, property)}
+    hints |= {
+        name: get_type_hints(each, include_extras=True)["return"] for name, each in read.items()
+    }
     return {
         name: hints[name].__metadata__[0] for name in hints if get_origin(hints[name]) is Annotated
     }
@@ -57,7 +63,7 @@ def quantities(owner: type) -> dict[str, Quantity]:
 def histories(owner: type) -> list[str]:
     """Names of the fields of `StationHistory` or `Contact` with a row for every state."""
     plain = get_type_hints(owner)
-    return [name for name in quantities(owner) if plain[name] == Array]
+    return [name for name in quantities(owner) if plain.get(name) == Array]
 
 
 def reported(value: float, spread: float) -> float:
@@ -252,11 +258,11 @@ class StationHistory:
         Array, Quantity("length", "of the edge; of solids from the point of the station, inward")
     ]
     position_spread: Annotated[Array, Quantity("length", "its error bar")]
-    k_n: Annotated[Array, Quantity("k_n", "K_N in the state")]
+    k_n: Annotated[Array, Quantity("k_n", "K_N in the state", "K_N")]
     k_n_spread: Annotated[Array, Quantity("k_n", "its error bar")]
-    k_t: Annotated[Array, Quantity("k_t", "K_T, counted from the first state")]
-    k_s: Annotated[Array, Quantity("k_t", "K_S, the same along the edge; zero in the plane")]
-    k_i: Annotated[Array, Quantity("k_t", "K_I, the same of normal increments")]
+    k_t: Annotated[Array, Quantity("k_t", "K_T, counted from the first state", "K_T")]
+    k_s: Annotated[Array, Quantity("k_t", "K_S, the same along the edge; zero in the plane", "K_S")]
+    k_i: Annotated[Array, Quantity("k_t", "K_I, the same of normal increments", "K_I")]
     last: Annotated[int, Quantity("", "last state of the evaluated cycle, or of all")] = field(
         default=-1, kw_only=True
     )
@@ -316,11 +322,11 @@ class LocalProblem:
 
     half_width: float
     power: float
-    slip: float
-    work: float
-    change: float
+    slip: Annotated[float, Quantity("length", "largest slip by it, in the last half cycle")]
+    work: Annotated[float, Quantity("work per length", "friction work by it")]
+    change: Annotated[float, Quantity("", "its change over the last cycle")]
     tractions: tuple[Tractions, ...]
-    reason: str
+    reason: Annotated[str, Quantity("", "why it is not solved")]
 
 
 def no_local_problem(reason: str) -> LocalProblem:
@@ -389,7 +395,7 @@ class Station(StationHistory):
     stiffening: Annotated[
         float, Quantity("curvature", "relative growth of dP/da with the half-width a")
     ] = math.nan
-    k_t_range: Annotated[float, Quantity("k_t", "range of K_T over the evaluated cycle")]
+    k_t_range: Annotated[float, Quantity("k_t", "range of K_T over the evaluated cycle", "ΔK_T")]
     k_s_range: Annotated[float, Quantity("k_t", "range of K_S")] = 0.0
     k_range: Annotated[
         float, Quantity("k_t", "range of (K_T, K_S) along the direction in which it varies most")
@@ -442,7 +448,12 @@ class Station(StationHistory):
         return np.asarray(math.cos(angle) * self.k_t + math.sin(angle) * self.k_s)
 
     @property
-    def stick_border(self) -> float:
+    def stick_border(
+        self,
+    ) -> Annotated[
+        float,
+        Quantity("length", "border of permanent stick by both, from the point, inward"),
+    ]:
         """Place of the border of permanent stick by the plane problem, as `position`; else NaN.
 
         That is the farthest inner end of the slip zones of the last two half cycles.
@@ -686,8 +697,8 @@ class Contact:
     name: str
     pair: str
     fronts: tuple[Front, ...]
-    normal_force: Annotated[Array, Quantity("force", "P, integral of the pressure")]
-    shear_force: Annotated[Array, Quantity("force", "Q, integral of the shear on body 2")]
+    normal_force: Annotated[Array, Quantity("force", "P, integral of the pressure", "P")]
+    shear_force: Annotated[Array, Quantity("force", "Q, integral of the shear on body 2", "Q")]
     force: Annotated[Array, Quantity("force", "all on body 2")] = field(default_factory=_none)
     centre: Annotated[
         Array, Quantity("length", "middle between the two edges, of solids the centre of pressure")
@@ -699,19 +710,19 @@ class Contact:
         default_factory=_none
     )
     contact_area: Annotated[
-        Array, Quantity("area", "of the nodes in contact, in the plane their width")
+        Array, Quantity("area", "of the nodes in contact, in the plane their width", "area")
     ] = field(default_factory=_none)
-    stick_area: Annotated[Array, Quantity("area", "of those that stick")] = field(
+    stick_area: Annotated[Array, Quantity("area", "of those that stick", "sticks")] = field(
         default_factory=_none
     )
-    largest_pressure: Annotated[Array, Quantity("stress", "largest mean around a node")] = field(
-        default_factory=_none
-    )
-    work: Annotated[Array, Quantity("work", "friction work in the step to the state")] = field(
-        default_factory=_none
+    largest_pressure: Annotated[
+        Array, Quantity("stress", "largest mean around a node", "p_max")
+    ] = field(default_factory=_none)
+    work: Annotated[Array, Quantity("work", "friction work in the step to the state", "work")] = (
+        field(default_factory=_none)
     )
     effective_tension: Annotated[
-        Array, Quantity("stress", "bulk tension that half-planes need for these K_T")
+        Array, Quantity("stress", "bulk tension that half-planes need for these K_T", "σ0")
     ] = field(default_factory=_none)
     shear_mismatch: Annotated[
         float, Quantity("", "range of Q by half-planes over that of full stick, less 1")
@@ -755,7 +766,9 @@ class Contact:
         return _reported_work(self.dissipation, self.dissipation_spread)
 
     @property
-    def local_dissipation(self) -> float:
+    def local_dissipation(
+        self,
+    ) -> Annotated[float, Quantity("work", "friction work by the plane problems of solids")]:
         """Friction work as `dissipation`, by the plane problems along the fronts; NaN without any.
 
         Parts of the fronts whose stations have none are left out: see `local_share`.
@@ -764,7 +777,9 @@ class Contact:
         return sum(known) if known else math.nan
 
     @property
-    def local_share(self) -> float:
+    def local_share(
+        self,
+    ) -> Annotated[float, Quantity("", "share of the fronts' length that has plane problems")]:
         """Share of the length of the fronts whose stations have a plane problem."""
         lengths = [(front.local_length, front.length) for front in self.fronts]
         known, whole = np.sum(lengths, axis=0) if lengths else (0.0, math.nan)

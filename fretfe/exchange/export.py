@@ -152,7 +152,7 @@ def export_tables(
         yield _of_records(
             result,
             "cycles.csv",
-            tables.CYCLES,
+            (*tables.STATION, *tables.CYCLES),
             tables.cycle_records(result.contacts, result.loads.times),
         )
     yield _tractions(result)

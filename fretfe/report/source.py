@@ -15,7 +15,6 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
-from fretfe.results.tables import unit
 
 # More loads than this are not named in a title.
 MOST_LOADS = 3
@@ -34,16 +33,6 @@ def folder_of(run: Result) -> Path:
 def extremes(run: Result) -> list[int]:
     """The load extremes of all contacts together."""
     return load_extremes(run.contacts, run.loads.cycle)
-
-
-def force_unit(run: Result) -> str:
-    """Unit of forces, in the plane per unit thickness."""
-    return unit("force", run.case.units, solid=run.solid)
-
-
-def work_unit(run: Result) -> str:
-    """Unit of work, in the plane per unit thickness."""
-    return unit("work", run.case.units, solid=run.solid)
 
 
 def when(run: Result, state: int) -> str:

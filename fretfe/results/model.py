@@ -32,7 +32,14 @@ from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
-from fretfe.results.tables import edge_records, make_dataset, require, solid_records
+from fretfe.results.tables import (
+    axis_label,
+    edge_records,
+    make_dataset,
+    require,
+    solid_records,
+    unit,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -106,6 +113,14 @@ class Result:
     def solid(self) -> bool:
         """True if the bodies are solids."""
         return any(contact.solid for contact in self.contacts)
+
+    def unit(self, kind: str) -> str:
+        """Unit of a kind of quantity, a key of `fretfe.results.tables.UNITS`."""
+        return unit(kind, self.case.units, solid=self.solid)
+
+    def axis_label(self, name: str) -> str:
+        """Symbol and unit of a number of a station or a contact: ``K_N [MPa/√mm]``."""
+        return axis_label(name, self.case.units, solid=self.solid)
 
     def edges(self) -> list[dict[str, Any]]:
         """One flat record of numbers and texts for each edge of plane contacts."""

@@ -2,7 +2,7 @@
 """Contacts, stations and counted cycles as tables, with units and rows, and as an xarray dataset.
 
 Units and meanings are those of the fields of `Contact` and `Station`; a column that is something
-else than a field has its own. A new number of a station is a field there and a line here.
+else than a field has its own. A new number of a station is a field there, and nothing here.
 """
 
 from __future__ import annotations
@@ -14,7 +14,6 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from itertools import chain
-from operator import attrgetter
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +24,7 @@ from fretfe.case import Units
 from fretfe.errors import DependencyError
 from fretfe.evaluate.contacts import (
     Contact,
+    LocalProblem,
     SlipZone,
     Station,
     StationHistory,
@@ -86,6 +86,12 @@ def unit(kind: str, units: Units, *, solid: bool, ascii_only: bool = False) -> s
     return template.format(**units.model_dump())
 
 
+def axis_label(name: str, units: Units, *, solid: bool) -> str:
+    """Symbol and unit of a number of a station or a contact: ``K_N [MPa/√mm]``."""
+    declared = {**quantities(Contact), **NUMBERS}[name]
+    return f"{declared.symbol} [{unit(declared.kind, units, solid=solid)}]"
+
+
 @dataclass(frozen=True)
 class Column:
     """A column of a table.
@@ -94,20 +100,29 @@ class Column:
         name: without its unit.
         kind: of quantity, a key of `UNITS`.
         meaning: in words.
-        value: in the row of a station, from its contact and it; None in tables of other things.
+        value: in the row of a station, from its contact and it; of contacts, from the contact and
+            None; of cycles of a station, from it and the times; None in tables of other things.
+        field: of a station that it shows; empty if it is something else.
     """
 
     name: str
     kind: str
     meaning: str
-    value: Callable[[Contact, Station], Any] | None = None
+    value: Callable[[Any, Any], Any] | None = None
+    field: str = ""
 
     def components(self, axes: str) -> list[Column]:
         """The columns of a vector along axes."""
-        return [
-            Column(f"{self.name}_{axis}", self.kind, f"component {axis} of: {self.meaning}")
-            for axis in axes
-        ]
+        return [self._component(place, axis) for place, axis in enumerate(axes)]
+
+    def _component(self, place: int, axis: str) -> Column:
+        meaning, value = f"component {axis} of: {self.meaning}", self.value
+        name = f"{self.name}_{axis}".removeprefix("_")
+        if value is None:
+            return Column(name, self.kind, meaning)
+        return replace(
+            self, name=name, meaning=meaning, value=lambda *row: float(value(*row)[place])
+        )
 
 
 def _fields(owner: type, names: Iterable[str]) -> list[Column]:
@@ -137,91 +152,104 @@ def _number(name: str, meaning: str = "", read: str = "") -> Column:
         found = found[station.last] if attribute in HISTORIES else found
         return float(found) if isinstance(found, float) else found
 
-    return Column(name, field.kind, meaning or field.meaning, value)
+    return Column(name, field.kind, meaning or field.meaning, value, attribute)
 
 
-def _vector(prefix: str, kind: str, meaning: str, attribute: str) -> list[Column]:
-    """A vector of a station, by component."""
-    read = attrgetter(attribute)
-
-    def component(number: int, axis: str) -> Column:
-        return Column(prefix + axis, kind, meaning, lambda _, station: float(read(station)[number]))
-
-    return [component(number, axis) for number, axis in enumerate(AXES)]
-
-
-def _zone(name: str, meaning: str, attribute: str, place: int) -> Column:
-    """A length of one of the last slip zones; NaN without it."""
-    return _of_zone(name, meaning, place, lambda _, zone: float(getattr(zone, attribute)))
+def _local(name: str) -> Column:
+    """A number of the plane problem next to a station."""
+    declared = quantities(LocalProblem)[name]
+    return Column(
+        f"local_{name}",
+        declared.kind,
+        declared.meaning,
+        lambda _, station: getattr(station.local, name),
+    )
 
 
-def _prediction(name: str, meaning: str, place: int) -> Column:
-    """Length that the factors predict for one of the last zones; NaN where they are not told."""
-    return _of_zone(name, meaning, place, Station.told_prediction)
+def _last(name: str) -> Column:
+    """A number of a contact, of a history in the last state."""
+
+    def value(contact: Contact, _: None) -> Any:
+        found = getattr(contact, name)
+        found = found[-1] if isinstance(found, np.ndarray) else found
+        return float(found) if np.ndim(found) == 0 and isinstance(found, np.floating) else found
+
+    return replace(_fields(Contact, [name])[0], value=value)
 
 
-def _of_zone(
-    name: str, meaning: str, place: int, read: Callable[[Station, SlipZone], float]
-) -> Column:
-    def value(_: Contact, station: Station) -> float:
-        zones = station.slip_zones
-        return read(station, zones[place]) if len(zones) >= -place else math.nan
+@dataclass(frozen=True)
+class ZoneLength:
+    """A length of the slip zones of a station, with a column for each half cycle.
 
-    return Column(name, "length", meaning, value)
+    Attributes:
+        stem, end: of the name, with the number of the half cycle between them: slip_1_spread.
+        meaning: in words, with places for "longest ", for the half cycle, and for the name before
+            `end`.
+        read: the length.
+        by: the one by which the longest zone is found; None for itself.
+    """
 
+    stem: str
+    end: str
+    meaning: str
+    read: Callable[[Station, SlipZone], float]
+    by: ZoneLength | None = None
 
-def _of_longest(
-    name: str,
-    meaning: str,
-    length: Callable[[Station, SlipZone], float],
-    read: Callable[[Station, SlipZone], float],
-) -> Column:
-    """A number of the slip zone of the cycle of which a length is largest; NaN without any."""
+    def of_half_cycle(self, number: int) -> Column:
+        """Of the first or second of the last two zones; NaN without it."""
 
-    def value(_: Contact, station: Station) -> float:
-        zone = station.longest_by(partial(length, station))
-        return read(station, zone) if zone else math.nan
+        def value(_: Contact, station: Station) -> float:
+            zones: list[SlipZone | None] = [None, None, *station.slip_zones]
+            zone = zones[number - 3]
+            return float(self.read(station, zone)) if zone else math.nan
 
-    return Column(name, "length", meaning, value)
+        which = "last but one" if number == 1 else "last"
+        return self._column(f"{self.stem}_{number}", "", f"of the {which} half cycle", value)
 
+    def of_longest(self) -> Column:
+        """Of the zone of the cycle of which the length is largest; NaN without any."""
+        by = self.by or self
 
-def _longest(name: str, meaning: str, length: str, spread: str) -> list[Column]:
-    """The largest of a length of the slip zones of the cycle, with its error bar."""
+        def value(_: Contact, station: Station) -> float:
+            zone = station.longest_by(partial(by.read, station))
+            return float(self.read(station, zone)) if zone else math.nan
 
-    def of(attribute: str) -> Callable[[Station, SlipZone], float]:
-        return lambda _, zone: float(getattr(zone, attribute))
+        return self._column(self.stem, "longest ", "of the cycle", value)
 
-    return [
-        _of_longest(name, meaning, of(length), of(length)),
-        _of_longest(f"{name}_spread", "its error bar", of(length), of(spread)),
-    ]
-
-
-def _half_cycle(number: int, meaning: str) -> list[Column]:
-    """Lengths of the first or second of the last two slip zones: found, predicted, local."""
-    place = number - 3
-    return [
-        _zone(f"slip_{number}", meaning, "reported_length", place),
-        _zone(f"slip_{number}_spread", "its error bar", "spread", place),
-        _prediction(f"predicted_{number}", "what the factors predict for it", place),
-        _zone(f"local_{number}", "the same by the plane problem", "reported_local", place),
-        _zone(f"local_{number}_spread", "its error bar", "local_spread", place),
-    ]
+    def _column(self, stem: str, longest: str, of: str, value: Callable[..., float]) -> Column:
+        return Column(stem + self.end, "length", self.meaning.format(longest, of, stem), value)
 
 
-def _edge_of(name: str, place: int) -> Column:
-    """Position of the edge from which one of the last slip zones counts; NaN without it."""
-
-    def value(_: Contact, station: Station) -> float:
-        zones = station.slip_zones
-        return float(station.position[zones[place].end]) if len(zones) >= -place else math.nan
-
-    meaning = f"position of the edge from which slip_{3 + place} counts"
-    return Column(name, "length", meaning, value)
-
-
+SLIP = ZoneLength("slip", "", "{}slip zone {}", lambda _, zone: zone.reported_length)
+SLIP_SPREAD = ZoneLength("slip", "_spread", "error bar of {2}", lambda _, zone: zone.spread, SLIP)
+SLIP_FROM = ZoneLength(
+    "slip",
+    "_from",
+    "position of the edge from which {2} counts",
+    lambda station, zone: station.position[zone.end],
+    SLIP,
+)
+PREDICTED = ZoneLength(
+    "predicted",
+    "",
+    "{}slip zone {} by the factors; empty without them or without a formula",
+    Station.told_prediction,
+)
+LOCAL = ZoneLength(
+    "local", "", "{}slip zone {} by the plane problem", lambda _, zone: zone.reported_local
+)
+LOCAL_SPREAD = ZoneLength(
+    "local", "_spread", "error bar of {2}", lambda _, zone: zone.local_spread, LOCAL
+)
 CONTACT = Column(
     "contact", "", "name of the contact, or of one of its patches", lambda contact, _: contact.name
+)
+STEADY = Column("steady", "", "whether the cycle is steady", lambda c, _: bool(c.steady))
+WARNINGS = Column(
+    "warnings",
+    "",
+    "what a reader must know",
+    lambda contact, _: "; ".join(each.sentence for each in contact.warnings),
 )
 EDGE = Column("edge", "", "left or right", lambda _, station: station.front)
 STATION = (
@@ -249,16 +277,12 @@ EDGES = (
         "reported_range",
     ),
     _number("k_t_range_spread", read="k_range_spread"),
-    _number("k_i_range"),
-    _number("reference_length"),
-    _zone("slip_1", "slip zone of the last but one half cycle", "reported_length", -2),
-    _zone("slip_2", "slip zone of the last half cycle", "reported_length", -1),
-    _zone("slip_1_spread", "error bar of slip_1", "spread", -2),
-    _zone("slip_2_spread", "error bar of slip_2", "spread", -1),
-    _edge_of("slip_1_from", -2),
-    _edge_of("slip_2_from", -1),
-    _prediction("predicted_1", "what the edge factors predict for slip_1; empty without them", -2),
-    _prediction("predicted_2", "what the edge factors predict for slip_2; empty without them", -1),
+    *map(_number, ("k_i_range", "reference_length")),
+    *(
+        each.of_half_cycle(number)
+        for each in (SLIP, SLIP_SPREAD, SLIP_FROM, PREDICTED)
+        for number in (1, 2)
+    ),
     Column(
         "gross",
         "",
@@ -273,89 +297,103 @@ EDGES = (
     ),
     _number("dissipation", read="reported_dissipation"),
     _number("dissipation_spread"),
-    Column("steady", "", "whether the cycle is steady", lambda c, _: bool(c.steady)),
-    Column("warnings", "", "what a reader must know", lambda c, _: _sentences(c)),
+    STEADY,
+    WARNINGS,
 )
-STATIONS = (
+STATION_LENGTHS = (SLIP, SLIP_SPREAD, PREDICTED, LOCAL, LOCAL_SPREAD)
+CHOSEN = (
     *STATION,
     _number("arc"),
-    *_vector("", "length", "point of the station before deformation", "point"),
-    *_vector("inward_", "", "direction into the contact", "frame.inward"),
+    *Column(
+        "", "length", NUMBERS["point"].meaning, lambda _, station: station.point, "point"
+    ).components(AXES),
+    *Column(
+        "inward", "", "direction into the contact", lambda _, station: station.frame.inward
+    ).components(AXES),
     _number("position", "along the arc at the end; of solids from the point, inward"),
     *map(_number, ("position_spread", "curvature", "to_end", "end")),
     _number("element_size", read="size"),
     _number("k_n", "K_N in the last state"),
     *map(_number, ("k_n_spread", "k_n_moved", "k_n_moved_spread", "k_n_moved_reason")),
-    _number("k_t", "K_T in the last state"),
-    _number("k_s", "K_S in the last state"),
-    _number("k_i", "K_I in the last state"),
+    *(_number(name, f"{NUMBERS[name].symbol} in the last state") for name in ("k_t", "k_s", "k_i")),
     *map(_number, ("k_t_range", "k_s_range", "k_i_range", "reference_length")),
     *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
-    *_longest("slip", "the longest slip zone of the cycle", "reported_length", "spread"),
-    _of_longest(
-        "predicted",
-        "the longest that the factors predict in it; empty without them or without a formula",
-        Station.told_prediction,
-        Station.told_prediction,
-    ),
-    *_longest(
-        "local",
-        "the longest by the plane problem next to the station",
-        "reported_local",
-        "local_spread",
-    ),
-    *_half_cycle(1, "slip zone of the last but one half cycle"),
-    *_half_cycle(2, "slip zone of the last half cycle"),
-    Column(
-        "stick_border",
-        "length",
-        "border of permanent stick by both, from the point, inward",
-        lambda _, s: s.stick_border,
-    ),
-    Column(
-        "local_slip",
-        "length",
-        "largest slip by it, in the last half cycle",
-        lambda _, s: s.local.slip,
-    ),
-    Column("local_work", "work per length", "friction work by it", lambda _, s: s.local.work),
-    Column("local_change", "", "its change over the last cycle", lambda _, s: s.local.change),
-    Column("local_reason", "", "why it is not solved", lambda _, s: s.local.reason),
+    *(each.of_longest() for each in STATION_LENGTHS),
+    *(each.of_half_cycle(number) for number in (1, 2) for each in STATION_LENGTHS),
+    _number("stick_border"),
+    *map(_local, ("slip", "work", "change", "reason")),
     Column(
         "verdict", "", "comparison with what is predicted", lambda _, s: longest_verdict(s).verdict
     ),
     Column("reason", "", "why there is no verdict", lambda _, s: longest_verdict(s).reason),
+    Column("withheld", "", "why a number is not told", lambda _, each: withheld(each)),
 )
-WITHHELD = Column("withheld", "", "why a number is not told", lambda _, each: withheld(each))
+# All that a station has: a new number of it is a column without further ado.
+STATIONS = (
+    *CHOSEN,
+    *map(_number, (name for name in NUMBERS if name not in {each.field for each in CHOSEN})),
+)
+SOLIDS = (
+    CONTACT,
+    _last("normal_force"),
+    *_last("shear_force").components(AXES),
+    *map(
+        _last,
+        (
+            "contact_area",
+            "stick_area",
+            "largest_pressure",
+            "dissipation",
+            "local_dissipation",
+            "local_share",
+            "steady",
+        ),
+    ),
+    WARNINGS,
+)
 CYCLES = (
-    *STATION,
-    Column("start", "", "state of the first reversal"),
-    Column("end", "", "state of the second reversal"),
-    Column("start_time", "time", "its time"),
-    Column("end_time", "time", "its time"),
-    Column("count", "", "1, or 0.5 for a range that nothing closes"),
-    Column("k_t_start", "k_t", "K_T at the first reversal; with K_S along k_angle"),
-    Column("k_t_end", "k_t", "K_T at the second reversal"),
-    Column("k_t_range", "k_t", "difference of the two, positive"),
-    Column("k_t_mean", "k_t", "mean of the two"),
-    Column("effective_range", "k_t", "the same with K_T - f K_I and K_T + f K_I: what is counted"),
-    Column("slip", "length", "slip length by that range"),
-    Column("worst", "", "whether it is the worst cycle of its edge"),
+    Column("start", "", "state of the first reversal", lambda s, _: s.cycles.start),
+    Column("end", "", "state of the second reversal", lambda s, _: s.cycles.end),
+    Column("start_time", "time", "its time", lambda s, times: times[s.cycles.start]),
+    Column("end_time", "time", "its time", lambda s, times: times[s.cycles.end]),
+    Column("count", "", "1, or 0.5 for a range that nothing closes", lambda s, _: s.cycles.count),
+    Column(
+        "k_t_start",
+        "k_t",
+        "K_T at the first reversal; with K_S along k_angle",
+        lambda s, _: s.k_along[s.cycles.start],
+    ),
+    Column(
+        "k_t_end",
+        "k_t",
+        "K_T at the second reversal; with K_S along k_angle",
+        lambda s, _: s.k_along[s.cycles.end],
+    ),
+    Column("k_t_range", "k_t", "difference of the two, positive", lambda s, _: s.cycles.k_t_range),
+    Column("k_t_mean", "k_t", "mean of the two", lambda s, _: s.cycles.k_t_mean),
+    Column(
+        "effective_range",
+        "k_t",
+        "the same with K_T - f K_I and K_T + f K_I: what is counted",
+        lambda s, _: s.cycles.effective_range,
+    ),
+    Column("slip", "length", "slip length by that range", lambda s, _: s.cycles.slip),
+    Column(
+        "worst",
+        "",
+        "whether it is the worst cycle of its edge",
+        lambda s, _: np.arange(len(s.cycles.count)) == s.cycles.worst,
+    ),
 )
 
 
-def _records(contacts: Sequence[Contact], columns: Sequence[Column]) -> list[dict[str, Any]]:
-    """A row for each station, by the names of the columns; numbers that do not exist are NaN."""
-    return [
-        {each.name: each.value(contact, station) for each in columns if each.value is not None}
-        for contact in contacts
-        for station in contact.stations
-    ]
+def _records(rows: Iterable[tuple[Any, Any]], columns: Sequence[Column]) -> list[dict[str, Any]]:
+    """A row of each pair by the names of the columns; numbers that do not exist are NaN."""
+    return [{each.name: each.value(*row) for each in columns if each.value} for row in rows]
 
 
-def _sentences(contact: Contact) -> str:
-    """All that a reader must know of a contact, in one text."""
-    return "; ".join(each.sentence for each in contact.warnings)
+def _stations(contacts: Sequence[Contact]) -> list[tuple[Contact, Station]]:
+    return [(contact, station) for contact in contacts for station in contact.stations]
 
 
 def edge_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
@@ -368,7 +406,7 @@ def edge_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     second. All spreads are half the width of an interval meant to hold the truth with 95 %; where
     that is more than half of the number, or unknown, there is none.
     """
-    return _records(contacts, EDGES)
+    return _records(_stations(contacts), EDGES)
 
 
 def station_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
@@ -377,57 +415,21 @@ def station_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     Ranges are those over the evaluated cycle, factors those at its end, or that of the history, the
     slip zone the longer of those of the last two half cycles.
     """
-    return _records(contacts, (*STATIONS, WITHHELD))
+    return _records(_stations(contacts), STATIONS)
 
 
 def solid_records(contacts: Sequence[Contact]) -> list[dict[str, Any]]:
     """Texts, numbers and truth values of every contact of solids in its last state, by name."""
-    return [
-        {
-            "contact": each.name,
-            "normal_force": float(each.normal_force[-1]),
-            **{
-                f"shear_force_{axis}": float(q)
-                for axis, q in zip(AXES, each.shear_force[-1], strict=True)
-            },
-            "contact_area": float(each.contact_area[-1]),
-            "stick_area": float(each.stick_area[-1]),
-            "largest_pressure": float(each.largest_pressure[-1]),
-            "dissipation": each.dissipation,
-            "local_dissipation": each.local_dissipation,
-            "local_share": each.local_share,
-            "steady": each.steady,
-            "warnings": _sentences(each),
-        }
-        for each in contacts
-    ]
+    return _records(((contact, None) for contact in contacts), SOLIDS)
 
 
 def cycle_records(contacts: Sequence[Contact], times: Array) -> Iterator[dict[str, Any]]:
     """Texts and numbers of every counted cycle, by name; numbers that do not exist are NaN."""
-    names = [each.name for each in CYCLES]
-    for contact in contacts:
-        for station in contact.stations:
-            for row in _cycles(station, times):
-                key = (contact.name, station.front, station.number)
-                yield dict(zip(names, (*key, *row), strict=True))
-
-
-def _cycles(station: Station, times: Array) -> Iterator[tuple[Any, ...]]:
-    """Rows of the cycles of a station, in the order of `CYCLES`."""
-    cycles, angle = station.cycles, math.radians(station.k_angle)
-    along = station.k_t * math.cos(angle) + station.k_s * math.sin(angle)
-    worst = cycles.worst if len(cycles.count) else None
-    numbers = (cycles.k_t_range, cycles.k_t_mean, cycles.effective_range, cycles.slip)
-    for number, (start, end) in enumerate(zip(cycles.start, cycles.end, strict=True)):
-        yield (
-            *(int(start), int(end)),
-            *(float(times[start]), float(times[end])),
-            float(cycles.count[number]),
-            *(float(along[start]), float(along[end])),
-            *(float(each[number]) for each in numbers),
-            number == worst,
-        )
+    for contact, station in _stations(contacts):
+        key = _records([(contact, station)], STATION)[0]
+        counted = _records([(station, times)], CYCLES)[0] if len(station.cycles.count) else {}
+        for row in zip(*(each.tolist() for each in counted.values()), strict=True):
+            yield key | dict(zip(counted, row, strict=True))
 
 
 def write_stations(path: Path, contacts: Sequence[Contact]) -> None:

@@ -27,7 +27,7 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Indices
 from fretfe.environment import versions
 from fretfe.errors import CaseError, OutputError
-from fretfe.evaluate.contacts import Contact, SlipZone
+from fretfe.evaluate.contacts import Contact, SlipZone, quantities
 from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.resultants import load_extremes, station_extremes
 from fretfe.evaluate.slip import cycle_states
@@ -83,6 +83,9 @@ LONG = 1000
 HALF_CYCLES = 2
 # In place of a list that is in `ARRAYS`: this, and the name of its data set there.
 ELSEWHERE = f"{ARRAYS}:"
+# A contact without its name, which is its key; of solids with the work along its fronts.
+CONTACT_KEYS = [each.name for each in fields(Contact) if each.name != "name"]
+CONTACT_KEYS += [name for name in quantities(Contact) if name not in CONTACT_KEYS]
 ENCODER = json.JSONEncoder(allow_nan=False)
 
 
@@ -252,7 +255,10 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "cycle": loads.cycle,
             "cycle_choice": loads.choice,
             "loads": dict(zip(loads.channels, loads.values.T, strict=True)),
-            "contacts": {contact.name: _contact_numbers(contact) for contact in result.contacts},
+            "contacts": {
+                contact.name: {key: getattr(contact, key) for key in CONTACT_KEYS}
+                for contact in result.contacts
+            },
             **_solution_numbers(result.solution),
             "mesh": {
                 name: {
@@ -296,13 +302,6 @@ def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
         for station, limits in refinement.limits
     ]
     return numbers
-
-
-def _contact_numbers(contact: Contact) -> dict[str, Any]:
-    """A contact without its name, which is its key; of solids with the work along its fronts."""
-    names = [each.name for each in fields(contact) if each.name != "name"]
-    names += ["local_dissipation", "local_share"]
-    return {name: getattr(contact, name) for name in names}
 
 
 @dataclass(frozen=True)

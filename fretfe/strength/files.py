@@ -25,6 +25,7 @@ from fretfe.report.theme import (
     log_axis,
     save_figure,
 )
+from fretfe.results.tables import axis_label
 from fretfe.results.writer import prepare_other
 from fretfe.strength.fit import COVERAGE, LifeFit
 from fretfe.strength.margins import Margin, StrengthMap
@@ -70,8 +71,8 @@ def plot_strength(found: StrengthMap) -> Figure:
             _draw_fit(axes, found, fit)
         _draw_edges(axes, found)
         _limit(axes, found)
-        axes.set_xlabel(f"K_N [{units.stress}/√{units.length}]")
-        axes.set_ylabel(f"ΔK_T [{units.stress}·√{units.length}]")
+        axes.set_xlabel(axis_label("k_n", units, solid=False))
+        axes.set_ylabel(axis_label("k_t_range", units, solid=False))
         figure.legend(loc="outside upper center", ncols=2)
     return figure
 

@@ -9,6 +9,7 @@ import math
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import Any, TextIO
 
@@ -40,6 +41,7 @@ from fretfe.report.theme import (
 )
 from fretfe.results.reader import restored
 from fretfe.results.run_folder import KEY, are_unchanged, with_digest
+from fretfe.results.tables import axis_label, unit
 from fretfe.results.writer import FIGURE, TABLE, VARIANTS
 from fretfe.sweeps.engine import Solved, Sweep, Variant
 
@@ -97,13 +99,13 @@ def sweep_table(sweep: Sweep) -> Table:
 
     Of solids forces, areas, largest pressure and friction work.
     """
-    units, solids = sweep.units, any("contact_area" in each for each in sweep.records())
+    solids = any("contact_area" in each for each in sweep.records())
+    of = partial(unit, units=sweep.units, solid=solids)
     title = (
-        f"Sweep: P, |Q| in {units.force}, areas in {units.length}², largest pressure in "
-        f"{units.stress}, friction work in {units.force}·{units.length}"
+        f"Sweep: P, |Q| in {of('force')}, areas in {of('area')}, largest pressure in "
+        f"{of('stress')}, friction work in {of('work')}"
         if solids
-        else f"Sweep: slip zones in {units.length}, K_N in {units.stress}/√{units.length}, "
-        f"ΔK_T in {units.stress}·√{units.length}"
+        else f"Sweep: slip zones in {of('length')}, K_N in {of('k_n')}, ΔK_T in {of('k_t')}"
     )
     table = Table(title=title, title_justify="left", box=box.SIMPLE, title_style="bold")
     table.pad_edge = False
@@ -279,7 +281,7 @@ def write_sweep(path: Path, keys: Sequence[str], records: Sequence[Record], unit
 
 
 def _labels(units: Units) -> tuple[str, str]:
-    return f"ΔK_T [{units.stress}·√{units.length}]", f"slip zone d [{units.length}]"
+    return axis_label("k_t_range", units, solid=False), f"slip zone d [{units.length}]"
 
 
 def _longer_slip(record: Record, name: str = "slip") -> float:

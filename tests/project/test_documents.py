@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import re
+import runpy
 from pathlib import Path
 
 import pytest
@@ -85,3 +86,14 @@ def test_a_page_begins_with_what_a_reader_can_do_after_it(page: Path) -> None:
     assert re.fullmatch(r"# [^\n]+", title)
     first = rest.partition("\n\n")[0]
     assert first.startswith("After this page you ") and len(PARTS.split(first)) == 1
+
+
+def test_keys_and_columns_of_results_are_those_of_the_code() -> None:
+    tool = runpy.run_path(str(ROOT / "tools" / "results_docs.py"))
+    for name, written in tool["PAGES"].items():
+        page = (DOCS / name).read_text("utf-8")
+        assert written(page) == page and page.count("<!-- end -->") >= 3
+        # A key without a row gets one; columns that are wrong are replaced.
+        cut = re.sub(r"^\| `k_n_moved_reason` .*\n", "", page, flags=re.MULTILINE)
+        cut = cut.replace("`k_n_moved_reason`, ", "")
+        assert cut != page and "`k_n_moved_reason`" in written(cut)

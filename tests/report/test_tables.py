@@ -193,7 +193,9 @@ def test_ends_of_fronts_have_a_line_of_their_own(sphere: Result) -> None:
     assert "outside the edge formulas" in last and "|ΔK| is 31.0 ± 5.0 MPa·√mm" in last
     assert "at station main.1.1, " in last
     contact, (front,) = sphere.solution.contacts[0], sphere.contacts[0].fronts
-    found = re.search(r"slip by up to (\S+) mm, with a friction work of up to (\S+) N/mm", last)
+    found = re.search(
+        r"slip by up to (\S+) mm, with a friction work of up to (\S+) N·mm/mm²\.", last
+    )
     assert found is not None
     angle = np.arctan2(*contact.surface.points[:, [2, 0]].T)
     places = [np.arctan2(*each.point[[2, 0]]) for each in front.stations[:2]]

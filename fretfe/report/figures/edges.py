@@ -36,7 +36,7 @@ from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.report.figures.history import time_panels
-from fretfe.report.source import Shown, edge_title, force_unit, inward, when, work_unit
+from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.texts import MISSING, number, with_error
 from fretfe.report.theme import (
     BLUE,
@@ -297,8 +297,7 @@ def cycle_plot(shown: Shown, edge: Station) -> Plot | None:
 
 def _draw_cycles(figure: Figure, shown: Shown, edge: Station) -> None:
     top, bottom = figure.subplots(2, 1, height_ratios=(2, 3))
-    units = shown.run.case.units
-    unit = f"[{units.stress}·√{units.length}]"
+    unit = f"[{shown.run.unit('k_t')}]"
     _histogram(top, edge.cycles)
     top.set_xlabel(f"ΔK_T {unit}")
     top.set_ylabel("cycles")
@@ -354,8 +353,8 @@ def force_plot(run: Result, area: Contact, key: str) -> Plot:
         normal, shear = time_panels(figure, 2, run.case, run.loads)
         _lines(normal, run, {"P": area.normal_force})
         _lines(shear, run, dict(zip(("Q_x", "Q_y", "Q_z"), area.shear_force.T, strict=True)))
-        normal.set_ylabel(f"P [{force_unit(run)}]")
-        shear.set_ylabel(f"Q [{force_unit(run)}]")
+        normal.set_ylabel(run.axis_label("normal_force"))
+        shear.set_ylabel(run.axis_label("shear_force"))
         legend_above(shear, columns=3)
 
     return make_plot(f"{key}-forces", f"Forces, contact {area.name}", "", DOUBLE, draw)
@@ -363,16 +362,15 @@ def force_plot(run: Result, area: Contact, key: str) -> Plot:
 
 def area_plot(run: Result, area: Contact, key: str) -> Plot:
     """Areas, largest pressure and friction work, below each other."""
-    units = run.case.units
 
     def draw(figure: Figure) -> None:
         areas, pressure, work = time_panels(figure, 3, run.case, run.loads)
         _lines(areas, run, {"in contact": area.contact_area, "sticks": area.stick_area})
         _lines(pressure, run, {"p_max": area.largest_pressure})
         _lines(work, run, {"work": area.work})
-        areas.set_ylabel(f"area [{units.length}²]")
-        pressure.set_ylabel(f"p_max [{units.stress}]")
-        work.set_ylabel(f"work [{work_unit(run)}]")
+        areas.set_ylabel(run.axis_label("contact_area"))
+        pressure.set_ylabel(run.axis_label("largest_pressure"))
+        work.set_ylabel(run.axis_label("work"))
         legend_above(areas, columns=2)
         figure.align_ylabels()
 
@@ -396,7 +394,6 @@ def _lines(axes: Axes, run: Result, lines: Mapping[str, Array]) -> None:
 
 def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
     """K_N, the ranges of K_T and K_S, and slip zones along one front, below each other."""
-    units = run.case.units
     has_zones = any(station.slip_zones for station in front.stations)
     has_ranges = bool(np.isfinite(front.along("k_range")).any())
 
@@ -406,14 +403,14 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
         k_n = np.array([station.reported_k_n for station in front.stations])
         spread = np.array([station.last_k_n[1] for station in front.stations])
         _bars(panels[0], front.along("arc"), k_n, spread, "K_N", BLUE)
-        panels[0].set_ylabel(f"K_N [{units.stress}/√{units.length}]")
+        panels[0].set_ylabel(run.axis_label("k_n"))
         panels[0].set_ylim(bottom=0.0)
         if has_ranges:
             _ranges(panels[1], front)
-            panels[1].set_ylabel(f"ΔK [{units.stress}·√{units.length}]")
+            panels[1].set_ylabel(f"ΔK [{run.unit('k_t')}]")
         if has_zones:
             _zones(panels[-1], front)
-            panels[-1].set_ylabel(f"d [{units.length}]")
+            panels[-1].set_ylabel(f"d [{run.unit('length')}]")
         half = front.length / len(front.stations) / 2
         for axes in panels:
             for station in front.stations:
@@ -422,7 +419,7 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
                     axes.axvspan(low, high, color=GREY, alpha=0.2, lw=0)
             plain_axis(axes, "y")
             say_if_unknown(axes)
-        panels[-1].set_xlabel(f"distance along {front.name} [{units.length}]")
+        panels[-1].set_xlabel(f"distance along {front.name} [{run.unit('length')}]")
         figure.align_ylabels()
 
     title = f"{front.name.capitalize()} of contact {area.name}"

@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -17,9 +19,7 @@ from fretfe.loads import History
 from fretfe.report.source import (
     Shown,
     edge_title,
-    force_unit,
     shown_stations,
-    work_unit,
     worst_run_states,
     worst_states,
 )
@@ -44,6 +44,7 @@ from fretfe.report.theme import (
     say_if_unknown,
 )
 from fretfe.results.model import Result
+from fretfe.results.tables import axis_label
 
 FACTORS_INTRO = (
     "K_T belongs to the shear and is positive if the shear on body 2 points inward; K_I belongs to "
@@ -111,9 +112,8 @@ def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
     """K_T and K_I of both edges over time."""
 
     def draw(figure: Figure) -> None:
-        names = {"k_t": "K_T", "k_i": "K_I"}
-        if any(np.any(edge.k_s) for edge in contact.stations):
-            names = {"k_t": "K_T", "k_s": "K_S", "k_i": "K_I"}
+        sheared = any(np.any(edge.k_s) for edge in contact.stations)
+        names = ("k_t", "k_s", "k_i") if sheared else ("k_t", "k_i")
         _draw_factors(figure, run.case, run.loads, (contact,), names)
 
     return make_plot(f"{key}-factors", f"Contact {contact.name}", "", DOUBLE, draw)
@@ -121,7 +121,7 @@ def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
 
 def draw_factors(case: Case, history: History, contacts: tuple[Contact, ...]) -> Figure:
     """K_N above K_T of every edge; the evaluated cycle is shaded."""
-    names = {"k_n": "K_N", "k_t": "K_T"}
+    names = ("k_n", "k_t")
     return make_figure(
         WIDTH, DOUBLE, lambda figure: _draw_factors(figure, case, history, contacts, names)
     )
@@ -132,16 +132,15 @@ def _draw_factors(
     case: Case,
     history: History,
     contacts: tuple[Contact, ...],
-    names: dict[str, str],
+    names: Sequence[str],
 ) -> None:
     """One panel for each factor, by the name of its attribute, with a line for each edge.
 
     Of solids there is one for the station of the largest range of each front.
     """
-    stress, root = case.units.stress, f"√{case.units.length}"
     panels = time_panels(figure, len(names), case, history)
     edges = shown_stations(contacts)
-    for panel, (name, label) in zip(panels, names.items(), strict=True):
+    for panel, name in zip(panels, names, strict=True):
         for place, (contact, edge) in enumerate(edges):
             owner = "" if len(contacts) == 1 else f"{contact.name}, "
             values = getattr(edge, name)
@@ -159,7 +158,7 @@ def _draw_factors(
             )
         say_if_unknown(panel, least=2)
         panel.axhline(0, color=GREY, lw=0.6)
-        panel.set_ylabel(f"{label} [{stress}{'/' if name == 'k_n' else '·'}{root}]")
+        panel.set_ylabel(axis_label(name, case.units, solid=False))
     legend_above(panels[0], columns=2)
 
 
@@ -201,8 +200,6 @@ def _tension_varies(run: Result, contact: Contact) -> bool:
 
 def _draw_path(figure: Figure, run: Result, contact: Contact, tension: bool) -> None:
     panels = figure.subplots(1, 1 + tension, squeeze=False, sharey=True)[0]
-    units = run.case.units
-    line_force = f"{units.force}/{units.length}"
     normal, shear = contact.normal_force, contact.shear_force
     _trace(panels[0], run, normal, shear)
     largest = max(float(np.max(normal)), 0.0)
@@ -210,11 +207,11 @@ def _draw_path(figure: Figure, run: Result, contact: Contact, tension: bool) -> 
     for sign in (1, -1):
         bound = [0.0, sign * friction * largest]
         panels[0].plot([0.0, largest], bound, color=GREY, lw=0.8, ls=":")
-    panels[0].set_xlabel(f"P [{line_force}]")
-    panels[0].set_ylabel(f"Q [{line_force}]")
+    panels[0].set_xlabel(run.axis_label("normal_force"))
+    panels[0].set_ylabel(run.axis_label("shear_force"))
     if tension:
         _trace(panels[1], run, contact.effective_tension, shear)
-        panels[1].set_xlabel(f"σ0 [{units.stress}]")
+        panels[1].set_xlabel(run.axis_label("effective_tension"))
 
 
 def _trace(axes: Axes, run: Result, x: Array, y: Array) -> None:
@@ -258,7 +255,7 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     slip = np.concatenate(means)
     slip = (slip - slip[0]) / shown.tractions.surface.weights[closed].sum()
     cycle = shown.run.loads.cycle is not None
-    work = f"{number(shown.summary.reported_dissipation)} {work_unit(shown.run)}"
+    work = f"{number(shown.summary.reported_dissipation)} {shown.run.unit('work')}"
     when = "evaluated cycle" if cycle else "whole history, which is shown: there is no cycle"
     caption = f"Friction work of this contact in the {when}: {work}."
     if len(path):
@@ -272,7 +269,7 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
         plain_axis(axes, "x")
         length = shown.run.case.units.length
         axes.set_xlabel(f"mean slip since the first of these states [{length}]")
-        axes.set_ylabel(f"{name} [{force_unit(shown.run)}]")
+        axes.set_ylabel(f"{name} [{shown.run.unit('force')}]")
 
     return make_plot(f"{shown.key}-loop", f"Contact {shown.summary.name}", caption, SINGLE, draw)
 
@@ -361,15 +358,15 @@ def _work_loop(
     force, displacement = solution.forces[states, index], solution.amplitudes[states, index]
     load = run.case.loads.get(label)
     moved, moved_unit, force_label, unit = {
-        "tilt": ("rotation", "rad", "moment", work_unit(run)),
-        "shape": ("factor of the shape", "1", "work per factor", work_unit(run)),
+        "tilt": ("rotation", "rad", "moment", run.unit("work")),
+        "shape": ("factor of the shape", "1", "work per factor", run.unit("work")),
     }.get(
         load.type if load is not None else "",
-        ("displacement", units.length, "force", force_unit(run)),
+        ("displacement", units.length, "force", run.unit("force")),
     )
-    caption = f"Area: {number(area)} {work_unit(run)}. {balance}"
+    caption = f"Area: {number(area)} {run.unit('work')}. {balance}"
     if len(path):
-        caption = f"{WORST} Work in the whole cycle: {number(area)} {work_unit(run)}. {balance}"
+        caption = f"{WORST} Work in the whole cycle: {number(area)} {run.unit('work')}. {balance}"
 
     def draw(figure: Figure) -> None:
         panels = figure.subplots(1, 2, sharey=True)

@@ -189,7 +189,7 @@ def local_plot(shown: Shown) -> Plot | None:
     units = shown.run.case.units
     most = int(np.argmax(found.work))
     caption = (
-        f"Most friction work: {number(found.work[most])} {units.force}/{units.length} at x = "
+        f"Most friction work: {number(found.work[most])} {shown.run.unit('density')} at x = "
         f"{number(shown.tractions.surface.arc[most])} {units.length}, where the slip ranges over "
         f"{number(found.slip_range[most])} {units.length}."
     )
@@ -204,7 +204,7 @@ def local_plot(shown: Shown) -> Plot | None:
 
 def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     units, arc = shown.run.case.units, shown.tractions.surface.arc
-    labels = (f"range of slip [{units.length}]", f"[{units.force}/{units.length}]")
+    labels = (f"range of slip [{units.length}]", f"[{shown.run.unit('density')}]")
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
     for (top, bottom), _, (low, high) in _edge_columns(panels, shown, labels):
         seen = (arc >= low) & (arc <= high)

@@ -42,7 +42,7 @@ from fretfe.report.page.tables import (
     timing_table,
 )
 from fretfe.report.pictures.folder import read_pictures
-from fretfe.report.source import Shown, force_unit, shown_contacts
+from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, plain_table
 from fretfe.report.theme import Plot
 from fretfe.results.model import Result
@@ -407,7 +407,7 @@ def _certificate_rows(run: Result) -> list[tuple[str, str, str]]:
     kinds = {
         "length": (units.length, parts["gap_scale"].max()),
         "stress": (units.stress, parts["pressure_scale"].max()),
-        "force": (force_unit(run), parts["force_scale"].max()),
+        "force": (run.unit("force"), parts["force_scale"].max()),
     }
     rows = []
     for name, (text, kind) in CERTIFICATE.items():

@@ -21,7 +21,7 @@ from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import judge, longest_verdict
 from fretfe.report.page.evaluated import cycle_sentences
-from fretfe.report.source import force_unit, shown_stations, work_unit
+from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
     marked,
@@ -64,10 +64,10 @@ def _edge_table(run: Result) -> Table:
 
     The prediction follows the load loop where there is a cycle, else it is that of first loading.
     """
-    units, ranges = run.case.units, range_name(run)
+    ranges = range_name(run)
     title = (
-        f"Contact edges: x and slip zones in {units.length}, "
-        f"K_N in {units.stress}/√{units.length}, {ranges} in {units.stress}·√{units.length}"
+        f"Contact edges: x and slip zones in {run.unit('length')}, K_N in {run.unit('k_n')}, "
+        f"{ranges} in {run.unit('k_t')}"
     )
     headers = ("contact", "edge", "x", "K_N", ranges, "slip zones", "predicted")
     table = plain_table(title, headers, text=2)
@@ -124,19 +124,19 @@ def contact_table(run: Result) -> Table:
 
     Of solids a row for each patch, and one for the friction work along the fronts.
     """
-    units, evaluated = run.case.units, run.loads.cycle
+    evaluated = run.loads.cycle
     forces = [each for c in run.contacts for each in (c.normal_force, c.shear_force)]
     largest = max((float(np.abs(each).max(initial=0.0)) for each in forces), default=0.0)
-    scale, force = with_prefix(force_unit(run), largest)
+    scale, force = with_prefix(run.unit("force"), largest)
     if run.solid:
         title = (
             f"Contacts: P, |Q| in {force}, area in contact and what of it sticks at the end in "
-            f"{units.length}², largest pressure in {units.stress}, friction work in "
-            f"{work_unit(run)}, at fronts by the plane problems"
+            f"{run.unit('area')}, largest pressure in {run.unit('stress')}, friction work in "
+            f"{run.unit('work')}, at fronts by the plane problems"
         )
         headers = ["P", "|Q|", "area", "sticks", "p_max", "work", "steady"]
     else:
-        title = f"Contacts: P, Q in {force}, half-width in {units.length}"
+        title = f"Contacts: P, Q in {force}, half-width in {run.unit('length')}"
         headers = ["P", "Q", "half-width", "steady", "Δq/(f p_max)"]
     table = plain_table(title, ("contact", *headers), text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
@@ -252,10 +252,9 @@ def cycle_table(run: Result) -> Table | None:
     edges = shown_stations(run.contacts)
     if not any(edge.cycles.irregular for _, edge in edges):
         return None
-    units = run.case.units
     title = (
-        f"Worst counted cycles: t in {units.time}, K_T in {units.stress}·√{units.length}, d in "
-        f"{units.length}"
+        f"Worst counted cycles: t in {run.unit('time')}, K_T in {run.unit('k_t')}, d in "
+        f"{run.unit('length')}"
     )
     table = plain_table(title, HEADERS, text=2)
     for contact, edge in edges:
@@ -283,10 +282,9 @@ def _front_table(run: Result) -> Table:
     number and its distance along the front; those too near an end are left out. Slip zones are
     those by the plane problems, by the nodes where there is none.
     """
-    units = run.case.units
     title = (
-        f"Fronts: lengths in {units.length}, K_N in {units.stress}/√{units.length}, |ΔK| of K_T "
-        f"and K_S in {units.stress}·√{units.length}, slip zones of the last two half cycles, "
+        f"Fronts: lengths in {run.unit('length')}, K_N in {run.unit('k_n')}, |ΔK| of K_T "
+        f"and K_S in {run.unit('k_t')}, slip zones of the last two half cycles, "
         "one below the other"
     )
     headers = ("front", "K_N", "|ΔK|", "slip", "predicted")
@@ -493,12 +491,11 @@ def _place(run: Result, contact: Contact, station: Station) -> str:
 
 def _factors(run: Result, station: Station) -> str:
     """K_N, |ΔK| and the longer slip zone of a station, with error bars and units."""
-    units = run.case.units
     k_n, k_range, *_ = _at(station)
     slip = with_error(*_longest(station))
     return (
-        f"K_N {k_n} {units.stress}/√{units.length}, |ΔK| {k_range} "
-        f"{units.stress}·√{units.length}, d {slip} {units.length}"
+        f"K_N {k_n} {run.unit('k_n')}, |ΔK| {k_range} {run.unit('k_t')}, "
+        f"d {slip} {run.unit('length')}"
     )
 
 
@@ -532,11 +529,10 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
     if not ends:
         return ""
     contact, front, station = max(ends, key=lambda each: each[2].k_range)
-    units = run.case.units
     return (
         "Ends of open fronts are outside the edge formulas: the fields there are not those of an "
         f"edge. The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
-        f"{units.stress}·√{units.length}, by radii, elements and steps, at "
+        f"{run.unit('k_t')}, by radii, elements and steps, at "
         f"{_place(run, contact, station)}. {_end_slip(run, contact, front, station)}"
     )
 
@@ -555,11 +551,11 @@ def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> 
     ])  # fmt: skip
     if not len(near):
         return "Slip and friction work there are unknown, because no node lies next to it."
-    moved, units = run.local_parameters(contact.name), run.case.units
+    moved = run.local_parameters(contact.name)
     slip, work = (float(each[near].max()) for each in (moved.slip_range, moved.work))
     return (
-        f"Nodes at this end slip by up to {number(slip, 3)} {units.length}, with a friction work "
-        f"of up to {number(work, 3)} {units.force}/{units.length}."
+        f"Nodes at this end slip by up to {number(slip, 3)} {run.unit('length')}, with a friction "
+        f"work of up to {number(work, 3)} {run.unit('density')}."
     )
 
 
