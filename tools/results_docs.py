@@ -69,7 +69,9 @@ def _table(text: str, owner: type) -> str:
     head, border, *rows = text.splitlines()
     kept, listed = [], set[str]()
     for row in rows:
-        keys, told, meaning = _ROW.fullmatch(row).groups()
+        if (cells := _ROW.fullmatch(row)) is None:
+            raise ValueError(f"expected a row of three cells, found {row}")
+        keys, told, meaning = cells.groups()
         names = re.findall(r"`(\w+)`", keys)
         if all(name in known for name in names):
             kept.append(_row(keys, _unit(owner, names) or told, meaning))
