@@ -14,6 +14,8 @@ if TYPE_CHECKING:
 
 # New objects after which Python looks for garbage among them.
 COLLECTED = 5000
+# Exit code of a process that Ctrl-C ends.
+INTERRUPTED = 128 + signal.SIGINT
 
 
 def main() -> None:
@@ -25,7 +27,11 @@ def main() -> None:
     command_line = _load()
     if loading:
         signal.signal(signal.SIGINT, signal.default_int_handler)
-    command_line()
+    try:
+        command_line()
+    except KeyboardInterrupt:
+        # Before Typer listens or when it has ended.
+        raise SystemExit(INTERRUPTED) from None
 
 
 def _load() -> Callable[[], None]:

@@ -87,3 +87,19 @@ def imported(program: str, *arguments: str) -> set[str]:
     done = python("-c", program, *arguments)
     assert done.returncode == 0, done.stderr
     return SLOW & set(json.loads(done.stdout.splitlines()[-1]))
+
+
+INTERRUPTED = """
+import fretfe.__main__ as entry
+
+def command_line():
+    raise KeyboardInterrupt
+
+entry._load = lambda: command_line
+entry.main()
+"""
+
+
+def test_ctrl_c_between_loading_and_listening_ends_quietly() -> None:
+    done = python("-c", INTERRUPTED)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "", "")
