@@ -14,21 +14,25 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.contact.first_touch import displacement_at_first_touch
 from fretfe.contact.interface import Interface, Place
 from fretfe.contact.linear_operator import FactoredOperator
 from fretfe.contact.newton import NO_RESISTANCE, Newton, NotConverged, status_by_fixed_point
 from fretfe.contact.state import (
     OPEN,
+    SLIP,
     STICK,
     Certificate,
     ContactState,
+    Status,
     StepLoads,
     StepTable,
     certify,
     friction_work,
+    lengths,
+    unit,
 )
 from fretfe.errors import ConvergenceError
 from fretfe.surface.surface import edges_once
@@ -177,15 +181,28 @@ class March:
         reference, spent = state.relative[:, 1:], 0
         if guess is None and slides_as_a_whole(state):
             guess = state
-        if guess is not None:
+        for start in self._starts(guess, state, loads):
             try:
-                return self._newton.solve(loads, reference, guess.status, guess.direction)
+                solved, iterations = self._newton.solve(loads, reference, *start)
             except NotConverged as failure:
-                spent = failure.iterations
-        solved, iterations = self._newton.solve(loads, reference, *self._start(state))
-        return solved, iterations + spent
+                spent, last = spent + failure.iterations, failure
+            else:
+                return solved, spent + iterations
+        raise NotConverged(last.reason, spent)
 
-    def _start(self, state: ContactState) -> tuple[npt.NDArray[np.int8], Array]:
+    def _starts(
+        self, guess: ContactState | None, state: ContactState, loads: StepLoads
+    ) -> Iterator[tuple[Status, Array]]:
+        """Status and directions of slip to start from, one after the other."""
+        if guess is not None:
+            yield guess.status, guess.direction
+        yield self._start(state)
+        if not self.interface.prescribed.all():
+            touching = self._touching(state, loads)
+            if touching is not None:
+                yield touching
+
+    def _start(self, state: ContactState) -> tuple[Status, Array]:
         """Every node in contact stuck; the nearest nodes if contact alone restrains a body."""
         closed = state.closed
         restrained_by_contact = not self.interface.prescribed.all()
@@ -193,6 +210,20 @@ class March:
             closed = self._nearest(state.relative[:, 0] / self.interface.roots)
         status = np.where(closed, STICK, OPEN).astype(np.int8)
         return status, np.zeros_like(state.direction)
+
+    def _touching(self, state: ContactState, loads: StepLoads) -> tuple[Status, Array] | None:
+        """Nodes where loose bodies touch first; slipping if they get there by sliding."""
+        found = displacement_at_first_touch(self.interface, loads, state.closed)
+        if found is None:
+            return None
+        increment = found[:, 1:] - state.relative[:, 1:]
+        moved = lengths(increment)
+        slides = moved > loads.friction * np.abs(state.relative[:, 0])
+        closed = state.closed
+        touches = self._nearest(found[:, 0] / self.interface.roots) & ~closed
+        status = np.select([closed, touches & slides, touches], [STICK, SLIP, STICK], OPEN)
+        slips = (status == SLIP) & (loads.friction > 0)
+        return status.astype(np.int8), np.where(slips[:, None], -unit(increment, moved), 0.0)
 
     def _nearest(self, gap: Array) -> Bools:
         """The nodes of each contact whose gap is smallest."""

@@ -241,7 +241,7 @@ class StatusRules:
         length = lengths(trial)
         backwards = was_slipping & (dot(increment, guess.direction) > small_gap)
         turn = slides | (was_slipping & ~backwards & (friction > 0))
-        direction = np.where(turn[:, None], _unit(trial, length), guess.direction)
+        direction = np.where(turn[:, None], unit(trial, length), guess.direction)
         status[slides] = SLIP
         status[backwards] = STICK
         status[~was_open & (pressure < -small_force)] = OPEN
@@ -253,7 +253,7 @@ class StatusRules:
             far = (moved > friction * np.abs(gap)) | (friction == 0)
             status[closes] = np.where(far[closes], SLIP, STICK)
             held_back = closes & (friction > 0)
-            direction[held_back] = -_unit(increment, moved)[held_back]
+            direction[held_back] = -unit(increment, moved)[held_back]
             turning[held_back] = 1.0
         direction[status != SLIP] = 0.0
         return Guess(status, direction, turning)
@@ -278,7 +278,7 @@ def dot(first: Array, second: Array) -> Array:
     return np.asarray(np.einsum("ij,ij->i", first, second))
 
 
-def _unit(vectors: Array, length: Array) -> Array:
+def unit(vectors: Array, length: Array) -> Array:
     """(n, k) vectors divided by their lengths; zero stays zero."""
     return vectors / np.where(length > 0, length, 1.0)[:, None]
 
