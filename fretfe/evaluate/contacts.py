@@ -146,9 +146,16 @@ class SlipZone:
     def reported_length(self) -> float:
         """The length, unless its error bar is unknown or more than half of it: then NaN.
 
-        No slip is told as 0, with its bar.
+        No slip is 0, with its bar; NaN where a zone may hide between the nodes.
         """
-        return 0.0 if self.length == 0 else reported(self.length, self.spread)
+        if self.length == 0:
+            return math.nan if self.hides else 0.0
+        return reported(self.length, self.spread)
+
+    @property
+    def hides(self) -> bool:
+        """True if no node slips, but a zone of a length up to `spread` may lie between them."""
+        return self.length == 0 and not self.resolved
 
     @property
     def reported_local(self) -> float:

@@ -233,7 +233,9 @@ def _missed(
 
 
 def _doubted(zone: SlipZone, spread: float) -> SlipZone:
-    """The zone, not resolved if no node slips though one is predicted, between the nodes perhaps.
+    """The zone, not resolved if no node slips though one may lie between the nodes.
+
+    That nothing slips at all is known only where next to nothing is predicted.
 
     The bar of one that is not resolved reaches the prediction, which may be the better number.
 
@@ -241,7 +243,7 @@ def _doubted(zone: SlipZone, spread: float) -> SlipZone:
         zone: as found.
         spread: error bar of its border.
     """
-    hidden = zone.length == 0 and zone.prediction > HIDDEN * spread > 0
+    hidden = zone.length == 0 and spread > 0 and not zone.prediction <= HIDDEN * spread
     if zone.gross or (zone.resolved and not hidden):
         return zone
     missed = abs(zone.length - zone.prediction)

@@ -293,6 +293,8 @@ def _no_formula(station: Station, zone: SlipZone) -> str:
 def _unresolved(station: Station, zone: SlipZone) -> str:
     """Reason why the mesh does not resolve a slip zone, in words."""
     size = station.size
+    if zone.hides:
+        return f"no node slips: a zone shorter than {zone.spread:.2g} would lie between the nodes"
     if station.turning > LARGEST_TURNING and zone.length > 0:
         return (
             "the direction of slip turns, so that its onset is of no known power, and the area "

@@ -87,8 +87,7 @@ def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
     # ~ marks a length that is not resolved, or known to a tenth at best.
     measured = [
-        "gross" if zone.gross else marked(number(zone.reported_length, 3), zone.uncertain)
-        for zone in zones
+        _or_bound(zone, marked(number(zone.reported_length, 3), zone.uncertain)) for zone in zones
     ]
     predicted = [edge.told_prediction(zone) for zone in zones]
     known = " / ".join(number(each, 3) for each in predicted if math.isfinite(each)) or MISSING
@@ -99,6 +98,14 @@ def _edge_cells(edge: Station) -> list[str]:
         (" / ".join(measured) or MISSING) + _counted_from(edge, zones),
         marked(known, edge.uncertain or edge.uncertain_range),
     ]
+
+
+def _or_bound(zone: SlipZone, length: str) -> str:
+    """The length as text; its upper bound where a zone may hide between the nodes."""
+    if zone.gross:
+        return "gross"
+    bounded = zone.hides and math.isnan(zone.reported_local) and math.isfinite(zone.spread)
+    return f"< {number(zone.spread, 2)}" if bounded else length
 
 
 def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
@@ -341,7 +348,7 @@ def _at(station: Station) -> tuple[str, ...]:
     return (
         with_error(station.reported_k_n, station.last_k_n[1]),
         with_error(station.reported_range, station.k_range_spread),
-        _lines("gross" if zone.gross else with_error(*zone.told) for zone in zones),
+        _lines(_or_bound(zone, with_error(*zone.told)) for zone in zones),
         _lines(number(station.told_prediction(zone), 3) for zone in zones),
     )
 
@@ -416,9 +423,7 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found="gross"
-        if zone.gross
-        else marked(length, zone.uncertain) + _counted_from(edge, [zone]),
+        found=_or_bound(zone, marked(length, zone.uncertain) + _counted_from(edge, [zone])),
         predicted=_predicted(edge, zone),
         ratio=number(ratio, 3),
         verdict=verdict.verdict,

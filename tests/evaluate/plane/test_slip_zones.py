@@ -101,6 +101,19 @@ def test_slip_left_over_from_the_half_cycle_before_does_not_count(
     assert length(side, direction * increments) == pytest.approx(ZONE, abs=1e-9)
 
 
+def test_without_a_prediction_no_slip_is_not_known() -> None:
+    """After first loading and without a cycle nothing says that no zone lies between the nodes."""
+    contact = history(np.zeros((2, len(X))))
+    front = plane_front("left")
+    at_edge = station(front, np.array([0.0, 0.0, 1.0, -1.0]))
+    border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
+    zone = slip_zones(np.array([], dtype=np.int64), FRICTION, at_edge, border)[-1]
+    assert np.isnan(zone.prediction)
+    assert zone.hides
+    # The outermost node may lie half an element inside the edge.
+    assert H < zone.spread < 2 * H
+
+
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize(("elements", "resolved"), [(0.02, True), (0.5, False), (3.0, False)])
 def test_a_zone_between_the_nodes_is_not_resolved(
@@ -117,8 +130,9 @@ def test_a_zone_between_the_nodes_is_not_resolved(
     (zone,) = slip_zones(no_cycle, FRICTION, at_edge, border)
     assert zone.predicted == pytest.approx(elements * H)
     assert (zone.length, zone.resolved, zone.gross) == (0.0, resolved, False)
-    # No slip is a length, whatever its bar.
-    assert (zone.reported_length, zone.uncertain) == (0.0, not resolved)
+    # No slip is a length where nodes would show it; else the bar is all that is known.
+    assert (zone.hides, zone.uncertain) == (not resolved, not resolved)
+    np.testing.assert_equal(zone.reported_length, 0.0 if resolved else np.nan)
     assert resolved or zone.spread >= zone.predicted
 
 
