@@ -82,6 +82,8 @@ def _no_k_n(station: Station) -> str:
     if math.isnan(k_n):
         why = station.lack.text or "the pressure next to the front has no fit"
         return f"K_N is not known, since {why}"
+    if not math.isfinite(spread):
+        return f"K_N is {k_n:.3g}, without an error bar"
     return f"K_N is {k_n:.3g} ± {spread:.2g}, an error bar of more than half of it"
 
 
@@ -101,8 +103,8 @@ def _no_range(station: Station) -> str:
             "integrated"
         )
     parts = asdict(station.k_range_parts)
-    if math.isnan(station.k_range_spread):
-        lost = " and ".join(name for name, part in parts.items() if math.isnan(part))
+    if not math.isfinite(station.k_range_spread):
+        lost = " and ".join(name for name, part in parts.items() if not math.isfinite(part))
         return f"the range of K_T and K_S has no error bar ({lost or 'nothing to compare with'})"
     largest = max(parts, key=lambda name: parts[name])
     return (
@@ -198,6 +200,8 @@ def _judge_still(station: Station, zone: SlipZone) -> Judgement:
         )
     found = f"nothing slips, or over less than {unseen:.2g}"
     within = math.hypot(unseen, BORDER_ELEMENTS * station.size)
+    if not math.isfinite(within):
+        return Judgement(Verdict.UNKNOWN, "no node slips, but that has no error bar")
     if zone.prediction > within:
         return Judgement(
             Verdict.DIFFERS, f"{found}, though {zone.prediction:.2g} is predicted", within
@@ -294,20 +298,28 @@ def _unresolved(station: Station, zone: SlipZone) -> str:
     """Reason why the mesh does not resolve a slip zone, in words."""
     size = station.size
     if zone.hides:
-        return f"no node slips: a zone shorter than {zone.spread:.2g} would lie between the nodes"
+        longest = (
+            f"shorter than {zone.spread:.2g}" if math.isfinite(zone.spread) else "of any length"
+        )
+        return f"no node slips, but a zone {longest} may lie between the nodes"
     if station.turning > LARGEST_TURNING and zone.length > 0:
         return (
             "the direction of slip turns, so that its onset is of no known power, and the area "
-            f"that slips tells its inner end to ± {zone.spread:.2g} only"
+            f"that slips gives its inner end {_known(zone.spread)}"
         )
     if zone.length > 0 and size > 0 and zone.length >= FEWEST_ELEMENTS * size:
         return (
-            f"its inner end is known to ± {zone.spread:.2g} only, of {zone.length:.3g} or "
+            f"its inner end is known {_known(zone.spread)}, of {zone.length:.3g} or "
             f"{zone.length / size:.0f} elements: slip does not fall evenly towards it, or nodes "
             "slip behind it"
         )
     covered = f": {zone.length / size:.1f} of {size:.2g}" if size > 0 else ""
     return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
+
+
+def _known(spread: float) -> str:
+    """How well a length is known, in words."""
+    return f"to ± {spread:.2g} only" if math.isfinite(spread) else "without an error bar"
 
 
 def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
@@ -346,11 +358,9 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     # The formulas take K_N of the state in which the half cycle ends.
     k_n, spread = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
     if spread > LARGEST_SPREAD * k_n and not local and not _still(zone):
-        return Judgement(
-            Verdict.UNKNOWN,
-            f"K_N at the end of the half cycle, {k_n:.3g}, has an error bar of "
-            f"{spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}",
-        )
+        bar = f"{spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}"
+        bar = f"an error bar of {bar}" if math.isfinite(spread) else "no error bar"
+        return Judgement(Verdict.UNKNOWN, f"K_N at the end of the half cycle, {k_n:.3g}, has {bar}")
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
     still = _still(zone)

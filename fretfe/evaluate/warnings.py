@@ -371,7 +371,9 @@ def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
     if station.uncertain:
         # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
         kind = Kind.K_N_LINEAR if linear else Kind.K_N_UNCERTAIN
-        yield kind, f"K_N is {station.last_k_n[0]:.3g} ± {station.last_k_n[1]:.2g}"
+        k_n, spread = station.last_k_n
+        bar = f" ± {spread:.2g}" if math.isfinite(spread) else ", without an error bar"
+        yield kind, f"K_N is {k_n:.3g}{bar}"
     steps = station.k_range_parts.steps
     # A range beside K_T itself that is round-off has no share that steps could be wrong by.
     some = station.k_t_range > ROUND_OFF * float(np.nanmax(np.abs(station.k_t), initial=0.0))

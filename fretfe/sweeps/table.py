@@ -91,7 +91,7 @@ def _add_rows(file: TextIO, records: Iterable[Mapping[str, Any]], columns: list[
 
 
 def _plain(value: Any) -> Any:
-    return "" if isinstance(value, float) and math.isnan(value) else value
+    return "" if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def sweep_table(sweep: Sweep) -> Table:

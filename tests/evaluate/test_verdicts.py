@@ -79,6 +79,26 @@ def test_no_slip_where_some_is_predicted_is_none_that_agrees() -> None:
     assert judged(station, predicted_loop=0.3 * zone.spread) == Verdict.UNKNOWN
 
 
+@pytest.mark.parametrize(
+    ("changes", "reason"),
+    [
+        ({"spread": np.inf}, "no node slips, but that has no error bar"),
+        (
+            {"spread": np.inf, "resolved": False},
+            "no node slips, but a zone of any length may lie between the nodes",
+        ),
+        (
+            {"spread": 0.02, "resolved": False},
+            "no node slips, but a zone shorter than 0.02 may lie between the nodes",
+        ),
+    ],
+)
+def test_an_infinite_error_bar_is_none(changes: dict[str, Any], reason: str) -> None:
+    station = still_station()
+    assert station.longest_zone is not None
+    assert judge(station, replace(station.longest_zone, **changes)).reason == reason
+
+
 def test_no_slip_of_a_plane_problem_beside_nodes() -> None:
     station = still_station()
     bar = 1e-3 * station.size
