@@ -21,8 +21,7 @@ from typer.testing import CliRunner, Result
 from fretfe.backends import halfplane
 from fretfe.cli.app import app
 from fretfe.errors import FaultError, OutputError
-from fretfe.evaluate.plane.evaluate import _Edges
-from fretfe.evaluate.plane.section import PlaneFront
+from fretfe.evaluate.plane.edges import PlaneEdges
 from fretfe.faults import FAULTS, CollectiveError, collecting, guarded
 from fretfe.halfplane import solver
 from fretfe.halfplane.solver import HalfPlaneOutcome
@@ -134,12 +133,12 @@ def test_a_broken_evaluation_costs_nothing_else(
 def test_one_edge_costs_not_the_other(
     tmp_path: Path, sound: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    station = _Edges._station
+    station = PlaneEdges.station
 
-    def half_broken(edges: _Edges, front: PlaneFront, *more: Any) -> Any:
-        return broken() if front.name == "right" else station(edges, front, *more)
+    def half_broken(edges: PlaneEdges, number: int) -> Any:
+        return broken() if edges.front(number)[0] == "right" else station(edges, number)
 
-    monkeypatch.setattr(_Edges, "_station", half_broken)
+    monkeypatch.setattr(PlaneEdges, "station", half_broken)
     done, out = run(tmp_path, "--no-report"), tmp_path / "out"
     require_told(done, out, "contact main, right edge")
     left, right = load_result(out).contacts[0].stations

@@ -278,6 +278,11 @@ class StationHistory:
     )
 
     @property
+    def inward(self) -> int:
+        """Sign of inward in positions: -1 at the right edge of a plane contact, else 1."""
+        return -1 if self.front == "right" else 1
+
+    @property
     def last_k_n(self) -> tuple[float, float]:
         """K_N in the state `last`, and its error bar."""
         return float(self.k_n[self.last]), float(self.k_n_spread[self.last])

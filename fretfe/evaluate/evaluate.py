@@ -13,11 +13,11 @@ from fretfe._typing import Array
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
-from fretfe.evaluate.factors import integral_units
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
+from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
 from fretfe.evaluate.withheld import Lack, Withheld, failed

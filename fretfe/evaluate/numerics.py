@@ -105,6 +105,13 @@ def last_known(values: Array, cycle: Indices) -> float:
     return float(known[-1]) if len(known) else np.nan
 
 
+def pressure_moments(x: Array, p: Array, centre: Array) -> Array:
+    """Return (T,) moments of piecewise-linear pressures (T, n) at x (n,) about centres (T,)."""
+    arm, left, right = x - centre[:, None], p[:, :-1], p[:, 1:]
+    moments = arm[:, :-1] * (2 * left + right) + arm[:, 1:] * (left + 2 * right)
+    return np.asarray(moments @ np.diff(x) / 6)
+
+
 def weighted_triangles(s: Array, p: Array, errors: Array, tails: Array) -> Array:
     """Return triangular factors of (1, z, ... z^5, p^2, tail), z = s/s_last, over 2 p errors.
 

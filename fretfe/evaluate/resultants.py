@@ -12,7 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.plane.section import pressure_moments
+from fretfe.evaluate.numerics import pressure_moments
 from fretfe.history.solution import OPEN, STICK, ContactHistory
 from fretfe.history.state_array import blocks
 

@@ -13,8 +13,7 @@ from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
 from fretfe.evaluate.contacts import SlipZone, StationHistory
 from fretfe.evaluate.cycles import Worst, slip_reversals
-from fretfe.evaluate.factors import LoadPath
-from fretfe.evaluate.plane.section import plane_front
+from fretfe.evaluate.load_path import LoadPath
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
@@ -110,7 +109,6 @@ def slip_zones(
     station: StationHistory,
     find_border: FindBorder,
     path: LoadPath | None = None,
-    place: Callable[[float, float], float] | None = None,
     worst: Worst | None = None,
     pressed: bool = False,
     unlike: bool = False,
@@ -123,15 +121,12 @@ def slip_zones(
         station: position and factors.
         find_border: gives the slip zone of a half cycle.
         path: loads of the cycle between its steps, unless they are straight lines.
-        place: gives the position that is some length inward from a position of the station; None
-            for a station of a plane front.
         worst: the cycle whose half cycles alone are looked at, where loads are irregular.
         pressed: whether P alone drives the edge. Slip then follows the edge, and what slipped
             before lies behind it: the last step is all there is.
         unlike: whether bodies are unlike, so that P makes slip, which no formula predicts. Between
             similar ones an edge sticks while it moves outward faster than it is sheared.
     """
-    place = place or plane_front(station.front).place
     frictional = np.flatnonzero((friction > 0) & np.isfinite(station.position))
     if not len(frictional):
         return ()
@@ -172,7 +167,7 @@ def slip_zones(
             start=start,
             end=end,
             length=border.length,
-            border=place(float(station.position[end]), border.length),
+            border=float(station.position[end]) + station.inward * border.length,
             spread=math.hypot(spread, missed),
             resolved=border.resolved and _told(border, spread),
             gross=border.gross,

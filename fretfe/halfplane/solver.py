@@ -21,8 +21,9 @@ from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import Progress, solve_history
 from fretfe.contact.state import StepTable
 from fretfe.errors import ConvergenceError
-from fretfe.evaluate.factors import UnitFactors, full_stick_units, half_plane_units
+from fretfe.evaluate.increments import UnitFactors
 from fretfe.evaluate.plane.full_stick_fit import GALERKIN_OVERHANG
+from fretfe.evaluate.plane.unit_factors import full_stick_units, half_plane_units
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution
 from fretfe.history.stream import UNSEEN, Storage

@@ -12,7 +12,8 @@ from reference.halfplane_galerkin import Contact, graded_nodes, press, uniform_n
 from fretfe._typing import Array
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.profiles import FlatRounded, Hertz, edge_factor_k_n
-from fretfe.evaluate.plane.pressure_fit import EdgeFit, fit_edge
+from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.plane.pressure_fit import fit_edge
 from fretfe.evaluate.plane.section import plane_front, plane_sections
 
 HERTZ = Hertz(radius=1.0, e_star=1.0)

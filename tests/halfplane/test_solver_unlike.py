@@ -17,9 +17,9 @@ from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation, sliding_exponent
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
-from fretfe.evaluate.factors import half_plane_units
+from fretfe.evaluate.edge_fit import WINDOW
 from fretfe.evaluate.plane.edge_fits import edge_fits
-from fretfe.evaluate.plane.pressure_fit import WINDOW
+from fretfe.evaluate.plane.unit_factors import half_plane_units
 from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.halfplane import solve_half_planes
 from fretfe.halfplane.solver import build_interface

@@ -20,8 +20,8 @@ from fretfe.backends import Backend, RunOptions, find_backend
 from fretfe.case import Case, parse_case
 from fretfe.evaluate.contacts import SlipZone, fronts_of
 from fretfe.evaluate.evaluate import evaluate
-from fretfe.evaluate.plane.evaluate import with_shear
-from fretfe.evaluate.plane.section import PLANE_FRONTS
+from fretfe.evaluate.plane.evaluate import plane_edges
+from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.verdicts import Judgement, expected_error, judge
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
@@ -57,7 +57,7 @@ def test_verdicts(value: float, reference: float, verdict: str) -> None:
 def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> None:
     result = halfplane(0.3)
     (contact,), (history,) = result.contacts, result.solution.contacts
-    station = contact.stations[0]
+    station, edges = contact.stations[0], plane_edges(result.solution, history, integral_units)
     zone = replace(station.slip_zones[-1], resolved=False)
 
     def judged(size: float, zone: SlipZone) -> Judgement:
@@ -71,8 +71,8 @@ def test_a_zone_after_a_whole_slide_is_not_called_too_short_for_the_mesh() -> No
     def slid(share: float) -> SlipZone:
         traction = history.mean_traction[:].copy()
         traction[..., 1] = share * history.friction.largest * traction[..., 0]
-        sheared, front = replace(history, mean_traction=traction), PLANE_FRONTS[0]
-        return with_shear(sheared, front, station.position, contact.centre, zone, 0.0)
+        sheared = replace(edges, contact=replace(history, mean_traction=traction))
+        return sheared.with_shear(0, zone, np.array([1.0, 0.0]))
 
     assert judged(0.9 * zone.length, slid(0.9)).verdict == Verdict.NOT_RESOLVED
     sliding = judged(0.9 * zone.length, slid(-0.98))

@@ -27,9 +27,12 @@ from fretfe.evaluate.contacts import (
     fronts_of,
 )
 from fretfe.evaluate.cycles import count_cycles, worst_cycle
-from fretfe.evaluate.factors import add_up, cycle_range, excess, half_plane_units, load_path
-from fretfe.evaluate.plane.evaluate import shear_mismatch, tension_history
-from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front
+from fretfe.evaluate.factors import cycle_range
+from fretfe.evaluate.increments import add_up
+from fretfe.evaluate.load_path import excess, load_path
+from fretfe.evaluate.plane.half_planes import shear_mismatch, tension_history
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
+from fretfe.evaluate.plane.unit_factors import half_plane_units
 from fretfe.evaluate.slip import SlipBorder, cycle_states, in_cycle, predicted_slip, slip_zones
 from fretfe.evaluate.step_ends import StepEnds
 from fretfe.history.solution import Factor
@@ -136,7 +139,7 @@ class ClosedFormBorders:
 
     def _moderate(self, states: States, change: Array) -> SlipBorder | None:
         """Hertz with tension in proportion to the shear force; None if that is not the case."""
-        end, inward = int(states[-1]), plane_front(self.station.front).inward
+        end, inward = int(states[-1]), self.station.inward
         if not (isinstance(self.problem.profile, Hertz) and self._proportional(states)):
             return None
         contact = self._partial_slip(end)
@@ -272,7 +275,10 @@ def _station(
     position = (contact.left, contact.right)[front.number]
     k_n = (contact.k_n_left, contact.k_n_right)[front.number]
     exact = np.zeros_like(k_n)
-    history = front.history(position, exact, k_n, exact, factors)
+    k_i, k_t = factors.T
+    history = StationHistory(
+        front.name, 0, position, exact, k_n, exact, k_t=k_t, k_s=np.zeros_like(k_t), k_i=k_i
+    )
     cycle = cycle_states(problem.history.cycle)
     history = in_cycle(cycle, history)
     borders = ClosedFormBorders(problem, cycle, history)

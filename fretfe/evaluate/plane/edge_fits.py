@@ -9,13 +9,14 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import sliding_exponent
+from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.missing_shear import (
     MissingShear,
     widened,
     without_every_other,
     without_missing,
 )
-from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, EdgeFit, fit_edge
+from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, Section, plane_sections
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import blocks

@@ -24,6 +24,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array, Positions
+from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.numerics import FARTHEST, HIGHEST, average, edge_terms, weighted_triangles
 from fretfe.evaluate.plane.section import Patch, PlaneFront, Section
 from fretfe.evaluate.withheld import Lack, Withheld
@@ -69,13 +70,6 @@ INTERVALS = np.array([[1.33], [1.72]])
 # window is far off.
 OFF = (0.05, 0.25)
 SOLVED = (0.5, 1.25)
-# Error of K_N between unlike bodies, over |lambda - 1/2| of an edge that slides: with slip zones of
-# some elements at least, and how much larger with fewer, up to so many times. Coarse half-planes
-# beside fine ones, and solids with their pressures, are off by up to 2.8 with less than an element
-# to a zone, 2.7 with one, 2.2 with two and .7 with more than four.
-BEYOND_SLIP = 0.75
-WINDOW = 6.0
-MOST_BEYOND = 4.0
 # Nodes from the edge to the largest pressure that a fit needs to tell a root from something else:
 # half of those that are wanted over a contact.
 WANTED_OVER_RISE = 8
@@ -142,65 +136,6 @@ def scatter(x: Array, values: Array) -> Array:
     expected = np.sum(weights * values[..., inner[:, None] + offsets], axis=-1)
     deviation = (values[..., inner] - expected) / np.sqrt(1 + np.sum(weights**2, axis=1))
     return np.asarray(np.median(np.abs(deviation), axis=-1) / MEDIAN_OF_NORMAL)
-
-
-@dataclass(frozen=True)
-class EdgeFit:
-    """Position along the arc and K_N (stress over root of length), with error bars; (T,) each.
-
-    A spread is half the width of an interval that is meant to hold the truth with 95 %. The
-    pressure is K_N s^exponent; where that is not a root, K_N is that at the reference length 1.
-    """
-
-    position: Array
-    k_n: Array
-    spread_position: Array
-    spread_k_n: Array
-    exponent: Array | float = 0.5
-
-    def told(self, length: float) -> Array:
-        """Return K_N = p(length)/sqrt(length) of the power law."""
-        return np.asarray(length ** (np.asarray(self.exponent) - 0.5) * self.k_n)
-
-    def at(self, length: float, zone: Array | float, sliding: float) -> EdgeFit:
-        """Return the fit with K_N as told at a length.
-
-        Its error bar holds what the fits cannot see, the more the fewer elements the zone has.
-
-        Args:
-            length: at which K_N is told.
-            zone: (T,) length of the slip zone in elements, or one for all.
-            sliding: |lambda - 1/2| where the edge slides.
-        """
-        exponent = np.asarray(self.exponent)
-        k_n, spread = k_n_at(self.k_n, self.spread_k_n, exponent, length, zone, sliding)
-        return replace(self, k_n=k_n, spread_k_n=spread)
-
-
-def k_n_at(
-    k_n: Array,
-    spread: Array,
-    exponent: Array,
-    length: Array | float,
-    zone: Array | float,
-    sliding: Array | float,
-) -> tuple[Array, Array]:
-    """Return K_N and its error bar at a length from those at the length 1, as of `EdgeFit.at`.
-
-    Args:
-        k_n: (T, ...) at the length 1, of the power law.
-        spread: (T, ...) its error bar.
-        exponent: (T, ...) lambda.
-        length: at which K_N is told.
-        zone: length of the slip zone in elements.
-        sliding: |lambda - 1/2| where the edge slides. Just after a reversal, and in zones shorter
-            than an element, lambda is not known any better.
-    """
-    apart = exponent - 0.5
-    told = length**apart * k_n
-    beyond = BEYOND_SLIP * np.clip(WINDOW / np.maximum(zone, WINDOW / MOST_BEYOND), 1.0, None)
-    largest = np.maximum(sliding, np.fmax.reduce(np.atleast_1d(np.abs(apart))))
-    return told, np.hypot(length**apart * spread, beyond * largest * told)
 
 
 def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float = 0.5) -> EdgeFit:

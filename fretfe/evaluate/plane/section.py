@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices, Positions
 from fretfe.analytic._numerics import Side
-from fretfe.evaluate.contacts import Frame, StationHistory
-from fretfe.history.solution import Factor
+from fretfe.evaluate.contacts import Frame
+from fretfe.evaluate.numerics import pressure_moments
 
 Scalar = TypeVar("Scalar", bound=np.generic)
 
@@ -68,13 +68,6 @@ def resultants(x: Array, p: Array, q: Array, centre: float) -> Resultants:
     """
     length, moment = _node_lengths(x), pressure_moments(x, p[None], np.array([centre]))
     return Resultants(float(length @ p), float(length @ q), float(moment[0]))
-
-
-def pressure_moments(x: Array, p: Array, centre: Array) -> Array:
-    """Return (T,) moments of piecewise-linear pressures (T, n) at x (n,) about centres (T,)."""
-    arm, left, right = x - centre[:, None], p[:, :-1], p[:, 1:]
-    moments = arm[:, :-1] * (2 * left + right) + arm[:, 1:] * (left + 2 * right)
-    return np.asarray(moments @ np.diff(x) / 6)
 
 
 def _node_lengths(x: Array) -> Array:
@@ -157,31 +150,6 @@ class PlaneFront:
     def place(self, position: float, s: float) -> float:
         """Return the place along the arc at a distance inward from the front's position."""
         return position + self.inward * s
-
-    def history(
-        self,
-        position: Array,
-        position_spread: Array,
-        k_n: Array,
-        k_n_spread: Array,
-        factors: Array,
-    ) -> StationHistory:
-        """Return the history of the front's station; (T,) arrays and singular factors (T, d).
-
-        Without displacements along z there is no K_S among these: it is zero.
-        """
-        *_, k_s = np.pad(factors, ((0, 0), (0, 3 - factors.shape[1]))).T
-        return StationHistory(
-            front=self.name,
-            number=0,
-            position=position,
-            position_spread=position_spread,
-            k_n=k_n,
-            k_n_spread=k_n_spread,
-            k_t=factors[:, Factor.K_T],
-            k_s=k_s,
-            k_i=factors[:, Factor.K_I],
-        )
 
     def axis(self, angle: float, size: int) -> Array:
         """Return the direction (size,) of shear along the arc and, if there are two, along z.

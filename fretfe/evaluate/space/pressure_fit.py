@@ -13,7 +13,7 @@ curvature of a bump there. Bumps of several widths and numbers, and several orde
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
@@ -22,8 +22,8 @@ from scipy.sparse import csr_array
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.numerics import average
-from fretfe.evaluate.plane.pressure_fit import EdgeFit, k_n_at
 from fretfe.evaluate.space.sectors import Sector
 
 # Distances between bumps, in elements, and numbers of bumps: the windows of the fits.
@@ -84,17 +84,6 @@ class FrontFit:
     k_n_spread: Array
     length: Array
     exponent: Array
-
-    def at(self, lengths: Array, zones: Array, sliding: Array) -> FrontFit:
-        """The same of unlike bodies at lengths, as of `EdgeFit.at`.
-
-        Args:
-            lengths: (n,) at which K_N is told.
-            zones: (T, n) lengths of the slip zones in elements.
-            sliding: (n,) |lambda - 1/2| where the front slides.
-        """
-        k_n, spread = k_n_at(self.k_n, self.k_n_spread, self.exponent, lengths, zones, sliding)
-        return replace(self, k_n=k_n, k_n_spread=spread)
 
     def of(self, station: int) -> EdgeFit:
         """That of one station."""

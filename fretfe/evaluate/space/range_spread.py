@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Error bars of the ranges of factors at stations of solids."""
+"""Errors of the ranges of factors at stations of solids by their elements."""
 
 from __future__ import annotations
 
@@ -8,14 +8,7 @@ import math
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.evaluate.contacts import RangeSpread
-from fretfe.evaluate.factors import (
-    FactorHistories,
-    LoadPath,
-    cycle_range,
-    excess,
-    main_direction,
-)
+from fretfe.evaluate.factors import FactorHistories, cycle_range, main_direction
 from fretfe.evaluate.space.fronts import SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
 from fretfe.history.solution import Factor
@@ -45,32 +38,35 @@ def farthest(depth: float, radius: float) -> float:
     return min(WIDEST * depth, NARROWEST * radius)
 
 
-def range_spread(
+def unresolved(
     factors: FactorHistories,
     front: SpaceFront,
     fit: FrontFit,
     station: int,
     direction: Array,
     cycle: Indices,
-    path: LoadPath | None,
-) -> RangeSpread:
-    """Error bar of the range of (K_T, K_S) along a direction.
+) -> list[float]:
+    """Errors of the range of (K_T, K_S) along a direction by elements.
 
-    The parts are those of the plane: what the ways to integrate differ by; that a discrete contact
-    area ends somewhere within an element, by the largest range along the front, since that of one
-    station may be a small difference; extremes between steps. And one more: elements that are long
-    along the front cannot follow how factors vary there, next to its end the factors are those of a
-    place beside the station, and in a narrow place integrals have few elements.
+    As in the plane a discrete contact area ends somewhere within an element, which counts by the
+    largest range along the front, since that of one station may be a small difference. And more:
+    elements that are long along the front cannot follow how factors vary there, next to its end the
+    factors are those of a place beside the station, and in a narrow place integrals have few
+    elements.
+
+    Args:
+        factors: of all stations.
+        front: in the reference state.
+        fit: of all states.
+        station: of the front.
+        direction: (2,) of (K_T, K_S).
+        cycle: states of the cycle.
     """
-    histories = factors.ways[..., Factor.K_T :]
-    own = histories[:, station] @ direction
-    swing = _swing(histories.mean(axis=0), station, direction, cycle)
-    bent = _bent(swing, front, station)
-    beside = _beside(swing, front, station)
-    ranges = [cycle_range(way, cycle) for way in own]
+    histories = factors.ways[..., Factor.K_T :].mean(axis=0)
+    swing = _swing(histories, station, direction, cycle)
     # At the ends of an open front factors grow out of all proportion.
     inner = front.frames.to_free_end > front.depth
-    mean = histories.mean(axis=0)[inner if inner.any() else slice(None)]
+    mean = histories[inner if inner.any() else slice(None)]
     known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
     largest = max(known, default=np.nan)
     # Where a contact is long the rest of its border counts too; elements are coarse at sharp ends.
@@ -79,13 +75,7 @@ def range_spread(
     cramped = CRAMPED * max(1 / room - 1 / SHORTEST_WAY, 0.0) * largest
     width = min(front.depth[station], np.median(front.depth), radius)
     misplaced = _misplaced(front, fit, station, cycle, width) * largest
-    return RangeSpread(
-        extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else np.nan,
-        discretisation=float(
-            np.linalg.norm([misplaced, cramped, factors.one_sided[station], bent, beside])
-        ),
-        steps=excess(own.mean(axis=0), cycle, path) + float(factors.uneven[station]),
-    )
+    return [misplaced, cramped, _bent(swing, front, station), _beside(swing, front, station)]
 
 
 def _misplaced(

@@ -10,8 +10,8 @@ from cases.halfplane_problems import LIMIT, LOAD, problem
 from fretfe.analytic.edges import tangential_factor
 from fretfe.evaluate.contacts import Contact, fronts_of
 from fretfe.evaluate.evaluate import evaluate
-from fretfe.evaluate.factors import half_plane_units
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_front, plane_sections
+from fretfe.evaluate.plane.unit_factors import half_plane_units
 from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import Factor
 

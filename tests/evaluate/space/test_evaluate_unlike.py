@@ -14,9 +14,9 @@ from cases.solid_runs import FRICTION, PEAK, solid_result, surface
 from fretfe._typing import Array, Bools
 from fretfe.analytic.edges import oscillation, sliding_exponent
 from fretfe.evaluate.contacts import LARGEST_TURNING
+from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import reversed_share, whole_factor
 from fretfe.evaluate.plane.edge_fits import edge_fits
-from fretfe.evaluate.plane.pressure_fit import EdgeFit
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
 from fretfe.evaluate.space.local import MEAN_LENGTH, _mean_k_n
@@ -252,14 +252,13 @@ def coarse_slice(beta: float) -> tuple[Array, Bools]:
             slips = sliding_exponent(beta, STRONG * inward * np.sign(force[state]))
             assert np.asarray(edge.exponent)[state] == pytest.approx(slips, abs=1e-6)
             assert track.fit.exponent[state, station] == pytest.approx(slips, abs=1e-4)
-        whole, zones = np.full(2 * station, ZONE), share[:, None] * np.full(2 * station, ZONE)
-        found = track.fit.at(whole, zones / ELEMENT, np.full(2 * station, sliding))
+        found = track.fit.of(station).at(ZONE, share * ZONE / ELEMENT, sliding)
         truth = edge.at(ZONE, ZONE / FINE, sliding)
-        error = np.abs(found.k_n[:, station] - truth.k_n)
+        error = np.abs(found.k_n - truth.k_n)
         errors.append((error / truth.k_n)[reversals] / sliding)
         # Sooner after a reversal the half-planes hardly know either.
         told = cycle[share[cycle] >= 0.5 - 1e-9]
-        bars = np.hypot(found.k_n_spread[told, station], truth.spread_k_n[told])
+        bars = np.hypot(found.spread_k_n[told], truth.spread_k_n[told])
         within.append(error[told] < bars)
     return np.concatenate(errors), np.concatenate(within)
 

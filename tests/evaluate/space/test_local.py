@@ -97,7 +97,6 @@ def posed(shear: Array, direction: Callable[[Station], float]) -> Result:
             contact.friction.at(slice(None), 0),
             along,
             lambda *_: blind,
-            place=lambda at, s: at + s,
         )
         return replace(known, slip_zones=zones)
 

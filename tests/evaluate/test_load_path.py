@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.evaluate.factors import LoadPath, excess, load_path
+from fretfe.evaluate.load_path import LoadPath, excess, load_path
 
 CYCLE = (3, 11)
 STATES = np.arange(CYCLE[0], CYCLE[1] + 1)

@@ -10,15 +10,15 @@ import numpy as np
 import pytest
 from evaluate.space.test_evaluate import STATIONS, grid, hertz, means, solved
 
-from fretfe.evaluate.space.evaluate import (
+from fretfe.evaluate.space.edges import (
     AWAY,
     NO_FRONT,
     NO_LOADS,
     POOR,
     STANDS,
-    evaluate_fronts,
     moved_stations,
 )
+from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
 from fretfe.history.solution import ContactHistory, NearbyLoads, Solution
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.evaluate.factors import add_up, one_sided_share, within_known
+from fretfe.evaluate.increments import add_up, one_sided_share, within_known
 from fretfe.evaluate.numerics import count_up
 from fretfe.history.solution import Factor
 

@@ -10,8 +10,11 @@ import pytest
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import RangeSpread
-from fretfe.evaluate.factors import FactorHistories, load_path, range_spreads
-from fretfe.evaluate.plane.pressure_fit import EdgeFit
+from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.factors import FactorHistories
+from fretfe.evaluate.load_path import LoadPath, load_path
+from fretfe.evaluate.plane.edges import unresolved
+from fretfe.evaluate.stations import range_spread
 from fretfe.history.solution import Factor
 
 T = 9
@@ -43,8 +46,13 @@ def fits(spread: float = 0.0) -> list[EdgeFit]:
     return [EdgeFit(side * HALF_WIDTH * one, one, spread * one, one) for side in (-1, 1)]
 
 
-def spreads(each: FactorHistories, spread: float = 0.0) -> tuple[RangeSpread, ...]:
-    return range_spreads(each, fits(spread), ARC, CYCLE, None)
+def spreads(
+    each: FactorHistories, spread: float = 0.0, path: LoadPath | None = None
+) -> tuple[RangeSpread, ...]:
+    parts, direction = unresolved(each, fits(spread), ARC, CYCLE), np.array([1.0, 0.0])
+    return tuple(
+        range_spread(each, number, direction, parts[number], CYCLE, path) for number in (0, 1)
+    )
 
 
 RANGE = float(np.ptp(WAVE))
@@ -87,7 +95,7 @@ def test_steps_miss_what_lies_between_them() -> None:
     fine = np.sin(2 * np.pi * (np.arange(8 * (T - 1) + 1) / (8 * (T - 1)) + 1 / 16))
     within = fine[:-1].reshape(T - 1, 8, 1)[:, 1:]
     path = load_path(WAVE[:, None], within, (0, T - 1))
-    (left, right) = range_spreads(histories([1.0, 1.0]), fits(), ARC, CYCLE, path)
+    (left, right) = spreads(histories([1.0, 1.0]), path=path)
     missed = 2 - RANGE
     assert missed > 0.1
     assert left.steps == pytest.approx(missed, rel=1e-9)

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories of singular edge factors, by increments of full stick.
+
+They add up the increments over the steps, each with the mean of the contact areas before and after
+it; only steps with friction count. They are counted from the first state, or from the last one
+before the cycle at which an increment is unknown: what is not known is NaN, never zero.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.factors import FactorHistories
+from fretfe.evaluate.numerics import count_up
+from fretfe.history.solution import ContactHistory, Factor, Solution
+
+Cycle = tuple[int, int] | None
+# From the states of an interval of contact, and the cycle as counted in it, to (states, ...)
+# histories.
+CountInterval = Callable[[slice, Cycle], Array]
+
+
+@dataclass(frozen=True)
+class UnitFactors:
+    """Singular factors, as `Factor`, for a unit of each of J drivers; NaN where unknown.
+
+    Attributes:
+        main: for each of R ways to determine them: (T, stations, d, J). They are made one after
+            the other, and only once.
+        fitted: (T, stations, d, J) by fits to tractions, as a check; None without them.
+        exact: True for closed forms.
+    """
+
+    main: Iterable[Array]
+    fitted: Array | None = None
+    exact: bool = False
+
+
+@dataclass(frozen=True)
+class ContactSteps:
+    """The steps of a contact, which add to the factors of its edges.
+
+    Attributes:
+        solution: the solved history.
+        dundurs: beta.
+        friction: (T,) whether there is any in the step that ends at each state.
+        touching: (T,) states in which there is contact.
+        intervals: first and last state of each run of states in which the contact exists, one at
+            least. Histories begin anew with each.
+    """
+
+    solution: Solution
+    dundurs: float
+    friction: Bools
+    touching: Bools
+    intervals: tuple[tuple[int, int], ...]
+
+    @classmethod
+    def of(cls, solution: Solution, contact: ContactHistory) -> ContactSteps:
+        """Those of one of the contacts of a solved history."""
+        return cls(
+            solution,
+            contact.surface.dundurs,
+            contact.friction.acts,
+            contact.pressed_nodes > 0,
+            contact.intervals,
+        )
+
+    @property
+    def known(self) -> Bools:
+        """(T,) states in the interval of contact of the evaluated cycle.
+
+        Without a cycle that is the last one; if no interval holds all of the cycle there are none.
+        """
+        (first, last), cycle = self.intervals[-1], self.solution.cycle
+        states = np.arange(len(self.solution.times))
+        held = cycle is None or first <= cycle[0] < cycle[1] <= last
+        return np.asarray((states >= first) & (states <= last) & held)
+
+    def by_interval(self, count: CountInterval) -> Array:
+        """(T, ...) histories that begin anew with each interval of contact; NaN between them.
+
+        Args:
+            count: gives the histories of one interval; it gets no cycle that is not all in it.
+        """
+        cycle, found = self.solution.cycle, {}
+        for first, last in self.intervals:
+            inside = cycle is not None and first <= cycle[0] and cycle[1] <= last
+            own = (cycle[0] - first, cycle[1] - first) if cycle is not None and inside else None
+            found[first] = count(slice(first, last + 1), own)
+        shapes = [each.shape[1:] for each in found.values()]
+        histories = np.full((len(self.solution.times), *shapes[0]), np.nan)
+        for first, each in found.items():
+            histories[first : first + len(each)] = each
+        return histories
+
+    def histories(self, units: UnitFactors, *, alone: bool) -> FactorHistories:
+        """Histories of factors from those for a unit of each driver.
+
+        Args:
+            units: of all stations.
+            alone: whether each station counts by itself where it is unknown; otherwise all of them
+                are unknown where one is.
+        """
+        step, drivers, cycle = self.solution.step, self.solution.driver_values, self.solution.cycle
+        ways: list[Array] = []
+        one_sided = uneven = np.empty(0)
+        for each in units.main:
+            groups = np.split(each, each.shape[1], axis=1) if alone else [each]
+            filled = [within_known(group, step) for group in groups]
+            # What steps may be wrong by is the same in all ways, to a part of itself.
+            if not ways:
+                pairs = zip(groups, filled, strict=True)
+                one_sided = np.concatenate(
+                    [one_sided_share(*pair, drivers, cycle) for pair in pairs]
+                )
+                uneven = uneven_share(each, drivers, self.friction, cycle)
+            ways.append(np.concatenate([self._added(group) for group in filled]))
+        fitted = None
+        if units.fitted is not None:
+            fitted = self._added(within_known(units.fitted, step))
+        return FactorHistories(np.array(ways), fitted, units.exact, one_sided, uneven)
+
+    def _added(self, units: Array) -> Array:
+        """(stations, T, d) histories from known units (T, stations, d, J)."""
+
+        def count(interval: slice, cycle: Cycle) -> Array:
+            drivers, friction = self.solution.driver_values[interval], self.friction[interval]
+            touching, unlike = self.touching[interval], self.dundurs != 0
+            found = add_up(units[interval], drivers, friction, touching, cycle, unlike)
+            return found.swapaxes(0, 1)
+
+        return self.by_interval(count).swapaxes(0, 1)
+
+
+def add_up(
+    units: Array,
+    drivers: Array,
+    friction: Bools,
+    touching: Bools,
+    cycle: tuple[int, int] | None,
+    unlike: bool = False,
+) -> Array:
+    """(stations, T, d) singular factors at each station, in the order of `Factor`.
+
+    Args:
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        drivers: (T, J) values of the drivers.
+        friction: (T,) whether there is any in the step that ends at each state.
+        touching: (T,) states in which there is contact.
+        cycle: its first and last state, or None.
+        unlike: whether the bodies are: K_I and K_T are then one number, and counted together.
+    """
+    steps = np.diff(drivers, axis=0)
+    increments = _mean_of_ends(units, steps)
+    increments[~steps.any(axis=1) | ~(touching[1:] | touching[:-1])] = 0.0
+    increments[~friction[1:], :, 0 if unlike else Factor.K_T :] = 0.0
+    return count_up(increments, cycle).swapaxes(0, 1)
+
+
+def _mean_of_ends(units: Array, steps: Array) -> Array:
+    """(n, stations, d) what n steps add.
+
+    The mean of what the factors at both ends give, or what those of the known end do.
+
+    Args:
+        units: (n + 1, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        steps: (n, J) increments of the drivers.
+    """
+    known = np.isfinite(units).all(axis=(1, 2, 3))
+    ends = [np.einsum("tsdj,tj->tsd", each, steps) for each in (units[:-1], units[1:])]
+    both, first, last = known[:-1] & known[1:], known[:-1], known[1:]
+    found = np.where(first[:, None, None], ends[0], np.where(last[:, None, None], ends[1], np.nan))
+    return np.where(both[:, None, None], (ends[0] + ends[1]) / 2, found)
+
+
+def within_known(units: Array, step: Indices | None) -> Array:
+    """Units of all states, those unknown within a step taken from the next known state in it.
+
+    Where none follows, from the last one before, back to the end of the step before: as far as a
+    contact that touches or opens is too small to tell its factors, a divided step counts like an
+    undivided one, with the factors of the end that is known.
+
+    Args:
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        step: (T,) number of the step in which each state lies; None if each is the end of one.
+    """
+    if step is None:
+        return units
+    count = len(units)
+    states, known = np.arange(count), np.isfinite(units).all(axis=(1, 2, 3))
+    inside = np.append(step[1:] == step[:-1], False)
+    later = np.minimum.accumulate(np.where(known, states, count)[::-1])[::-1]
+    earlier = np.maximum.accumulate(np.where(known, states, -1))
+    follows = (later < count) & (step[np.minimum(later, count - 1)] == step)
+    begin = np.searchsorted(step, step) - 1
+    precedes = (earlier >= 0) & (earlier >= begin)
+    source = np.where(follows, later, np.where(precedes, earlier, states))
+    return np.asarray(units[np.where(inside & ~known, source, states)])
+
+
+def one_sided_share(
+    units: Array, filled: Array, drivers: Array, cycle: tuple[int, int] | None
+) -> Array:
+    """(stations,) half of what the steps of a cycle add to |K| of which one end only is known.
+
+    Their increments take the factors of that end for those of both, and factors may change as much
+    within a step as over it where the contact is about to open or hardly resolved.
+
+    Args:
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        filled: the same, as of `within_known`.
+        drivers: (T, J) values of the drivers.
+        cycle: its first and last state, or None.
+    """
+    if cycle is None:
+        return np.zeros(units.shape[1])
+    states = slice(cycle[0], cycle[1] + 1)
+    known = np.isfinite(units[states]).all(axis=(1, 2, 3))
+    steps = np.diff(drivers[states], axis=0)
+    increments = _mean_of_ends(filled[states], steps)[:, :, Factor.K_T :]
+    increments = np.linalg.norm(increments, axis=2)
+    one_end = ~(known[1:] & known[:-1]) & np.isfinite(increments).all(axis=1)
+    return np.asarray(increments[one_end].sum(axis=0) / 2)
+
+
+def uneven_share(
+    units: Array, drivers: Array, friction: Bools, cycle: tuple[int, int] | None
+) -> Array:
+    """(stations,) error bar by what the steps of a cycle may be wrong by in |K| as an edge moves.
+
+    Within a step the factors for a unit of a load change as the edge moves, and not evenly. The
+    mean of both ends exceeds their harmonic mean by du^2/(2 (u1 + u2)); for loads on a line and any
+    movement of the edge of a cylinder or a wedge the truth is below by no more than twice that
+    (P up to 40 times as large at one end of the step: 1.5 and 1.9 times). Flats with rounded ends
+    need more (P three times as large at one end: 2.3 times du^2/(2 (u1 + u2))).
+
+    Args:
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        drivers: (T, J) values of the drivers.
+        friction: (T,) whether there is any in the step that ends at each state.
+        cycle: its first and last state, or None.
+    """
+    if cycle is None:
+        return np.zeros(units.shape[1])
+    states = slice(cycle[0], cycle[1] + 1)
+    factors, steps = units[states, :, Factor.K_T :], np.diff(drivers[states], axis=0)
+    shear, change = (
+        np.linalg.norm(factors, axis=2),
+        np.linalg.norm(np.diff(factors, axis=0), axis=2),
+    )
+    size = shear[1:] + shear[:-1]
+    uneven = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
+    steps[~friction[states][1:]] = 0.0
+    errors = np.einsum("tsj,tj->ts", np.nan_to_num(uneven), np.abs(steps))
+    return np.asarray(1.5 * errors.sum(axis=0))

@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Loads between the steps of a cycle, and factors there.
+
+The loads are known at any time, edge factors only at the ends of steps. Within a step a factor
+leaves the straight line between its ends by as much as the loads leave theirs, times what a unit of
+each load changes it by in this cycle (least squares over its steps; exact for factors that are
+linear in the loads, as at a constant contact area).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+
+# Loads that leave the straight line by less than this part of their range are lines.
+STRAIGHT = 1e-9
+
+
+@dataclass(frozen=True)
+class LoadPath:
+    """The loads of a cycle of n steps, at the ends of its steps and at S places within each.
+
+    Attributes:
+        first: state in which the cycle begins.
+        steps: (n, C) increments of the steps over the range of each load.
+        bulges: (n, S, C) deviation from the straight line within each step, over the same.
+    """
+
+    first: int
+    steps: Array
+    bulges: Array
+
+    def refine(self, factor: Array) -> Array:
+        """A factor (T,) of all states at the (n (S + 1) + 1,) instants of the cycle."""
+        count, inner, _ = self.bulges.shape
+        values = factor[self.first : self.first + count + 1]
+        if not np.isfinite(values).all():
+            return np.full(count * (inner + 1) + 1, np.nan)
+        slopes = np.linalg.lstsq(self.steps, np.diff(values), rcond=None)[0]
+        shares = np.arange(1, inner + 1) / (inner + 1)
+        within = values[:-1, None] + np.diff(values)[:, None] * shares + self.bulges @ slopes
+        return np.append(np.column_stack([values[:-1], within]).ravel(), values[-1])
+
+    def instants(self, state: int) -> slice:
+        """The instants of `refine` that are less than a step from a state of the cycle."""
+        parts = self.bulges.shape[1] + 1
+        place = parts * (state - self.first)
+        return slice(max(place - parts + 1, 0), place + parts)
+
+
+def excess(factor: Array, cycle: Indices, path: LoadPath | None) -> float:
+    """Excess of a factor (T,) between the steps of a cycle over its range at them; 0 if unknown."""
+    if path is None or not len(cycle):
+        return 0.0
+    fine = path.refine(factor)
+    return float(np.ptp(fine) - np.ptp(factor[cycle])) if np.isfinite(fine).all() else 0.0
+
+
+def load_path(
+    loads: Array, between: Array | None, cycle: tuple[int, int] | None
+) -> LoadPath | None:
+    """The loads of a cycle between its steps; None if they are straight lines there, or not known.
+
+    Args:
+        loads: (T, C) at the states.
+        between: (T-1, S, C) within all steps, or None.
+        cycle: its first and last state, or None.
+    """
+    if cycle is None or between is None:
+        return None
+    first, last = cycle
+    values, between = loads[first : last + 1], between[first:last]
+    shares = np.arange(1, between.shape[1] + 1) / (between.shape[1] + 1)
+    steps = np.diff(values, axis=0)
+    bulges = between - values[:-1, None] - shares[:, None] * steps[:, None]
+    ranges = np.ptp(values, axis=0)
+    varying = ranges > 0
+    bulges = np.where(varying, bulges, 0.0) / np.where(varying, ranges, 1.0)
+    if not np.abs(bulges).max(initial=0.0) > STRAIGHT:
+        return None
+    return LoadPath(first, steps / np.where(varying, ranges, 1.0), bulges)

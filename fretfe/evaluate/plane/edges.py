@@ -1,0 +1,266 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The two edges of a plane contact, as their stations are made of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.contacts import Frame, SlipZone, Station
+from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.factors import FactorHistories, along_line, cycle_range
+from fretfe.evaluate.growth import FindGrowth
+from fretfe.evaluate.numerics import last_known
+from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
+from fretfe.evaluate.plane.section import (
+    PLANE_FRONTS,
+    PlaneFront,
+    main_patch,
+    nearest_front,
+    plane_sections,
+)
+from fretfe.evaluate.plane.slip import slip_border_of
+from fretfe.evaluate.slip import FindBorder
+from fretfe.evaluate.stations import EdgeData, MovedEdge
+from fretfe.history.solution import ContactHistory
+
+# Linear elements are too stiff: K_N was 1.6 % (cylinder) to 2.8 % (flat with rounded ends) high
+# with them where elements grow by a quarter of the distance from the contact, however fine the mesh
+# at the edges, and up to 6 % where they grow by .45.
+LINEAR_ELEMENTS = 0.06
+LINEAR_GROWTH = 0.45
+# Elements at the edge within which sizes behind it tell no growth.
+BEHIND = 3.0
+# Edges that move less than this fraction of the surface between two loads do not tell anything.
+SMALLEST_MOVE = 1e-6
+# The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
+# equal chance: nineteen of twenty are nearer than this.
+WITHIN_ELEMENT = 0.475
+# Half-planes know the forces on an element exactly; elements that grow inward leave the edge open
+# by this part of the smallest ones. Measured: .01 with 300 elements on all profiles.
+WITHIN_GRID = 0.02
+
+
+@dataclass(frozen=True, kw_only=True)
+class PlaneEdges(EdgeData):
+    """Both edges of a contact, with what only plane contacts have.
+
+    Attributes:
+        contact: the contact.
+        works: (N,) friction work of each node, and its error bar.
+    """
+
+    contact: ContactHistory
+    works: tuple[Array, Array]
+
+    @property
+    def centre(self) -> Array:
+        """(T,) middle between the edges."""
+        return np.asarray((self.fits[0].position + self.fits[1].position) / 2)
+
+    @property
+    def half_width(self) -> Array:
+        """(T,) half the distance between the edges."""
+        return np.asarray((self.fits[1].position - self.fits[0].position) / 2)
+
+    def front(self, number: int) -> tuple[str, int]:
+        """Left or right, of one edge each."""
+        return PLANE_FRONTS[number].name, 0
+
+    def label(self, number: int) -> str:
+        """An edge in words, for messages."""
+        return f"contact {self.contact.name}, {PLANE_FRONTS[number].name} edge"
+
+    def place(self, number: int) -> tuple[Array, Frame]:
+        """Point (3,) and frame in the last state in which the position is known."""
+        surface = self.contact.surface
+        place = last_known(self.fits[number].position, np.array([], dtype=np.int64))
+        frames = surface.frames[:, :2, :2].reshape(len(surface.arc), -1)
+        rows = np.hstack([surface.points, frames]).T
+        point, across, tangent = np.reshape(
+            [np.interp(place, surface.arc, row) for row in rows], (3, 2)
+        )
+        return np.append(point, 0.0 * place), PLANE_FRONTS[number].frame(across, tangent)
+
+    def size(self, number: int) -> float:
+        """Length of the element at the last known place of an edge."""
+        arc, place = self.contact.surface.arc, last_known(self.fits[number].position, self.cycle)
+        return float(np.diff(arc)[max(int(np.searchsorted(arc[1:-1], place)), 0)])
+
+    def moved(self, number: int) -> MovedEdge:
+        """K_N by the movement of an edge."""
+        fit, front = self.fits[number], PLANE_FRONTS[number]
+        exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
+        half_width = abs(float((self.centre - fit.position)[-1]))
+        return moved_edge(self.contact, front, half_width, float(exponents[-1]))
+
+    def unresolved(self, number: int, direction: Array) -> list[float]:
+        """Errors of the range along a direction (2,) by the elements."""
+        parts = unresolved(self.factors, self.fits, self.contact.surface.arc, self.cycle)
+        return parts[number]
+
+    def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
+        """Slip zones by the slip of the nodes, as of `EdgeData.border`."""
+        if self.contact.surface.dundurs:
+            # Between unlike bodies shear moves K_I and pressure K_T: what the growth leaves out.
+            growth = _no_growth
+        solution, front = self.steps.solution, PLANE_FRONTS[number]
+        least = np.where(outer, solution.least_slip, np.inf)
+        degree = 2 if self.factors.exact else solution.degree
+        return slip_border_of(self.contact, front, position, least, degree, growth)
+
+    def shear_share(
+        self, number: int, state: int, zone: SlipZone, line: Array, begin: float
+    ) -> float:
+        """Mean shear along a line over that of f p, as of `EdgeData.shear_share`."""
+        front, contact = PLANE_FRONTS[number], self.contact
+        position, traction = self.fits[number].position[state], contact.mean_traction[state]
+        s = front.inward * (contact.surface.arc - position)
+        middle = front.inward * (self.centre[state] - position)
+        behind = (s > begin) & (s < middle) & (traction[:, 0] > 0)
+        weights = contact.surface.weights[behind]
+        bound = float((contact.friction.at(zone.end, behind) * weights) @ traction[behind, 0])
+        # Along the arc, and along z: `along` is -z at the left edge.
+        axis = front.inward * (line * [1.0, -1.0])[: traction.shape[1] - 1]
+        shear = traction[behind, 1:] @ axis
+        return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
+
+    def completed(self, number: int, station: Station) -> Station:
+        """The station with the friction work on its side of the contact."""
+        arc, centre = self.contact.surface.arc, last_known(self.centre, self.cycle)
+        here = nearest_front(arc, centre) == number
+        work, spread = (float(each[here].sum()) for each in self.works)
+        return replace(station, dissipation=work, dissipation_spread=spread)
+
+
+def _no_growth(start: int, end: int) -> None:
+    return None
+
+
+def with_stiff_elements(fit: EdgeFit, front: PlaneFront, arc: Array) -> EdgeFit:
+    """The fit with what linear elements of the bodies do to p in the error bar of K_N."""
+    hidden = _linear_error(front, arc, fit.position)
+    return replace(fit, spread_k_n=np.hypot(fit.spread_k_n, hidden * fit.k_n))
+
+
+def _linear_error(front: PlaneFront, arc: Array, position: Array) -> float:
+    """Relative error of K_N by what linear elements of the bodies do to p, which fits cannot see.
+
+    Elements of the bodies grow as those of the surface do behind the contact.
+
+    Args:
+        front: of the edge.
+        arc: (N,) nodes of the surface.
+        position: (T,) of the edge.
+    """
+    known = position[np.isfinite(position)]
+    if not len(known):
+        return LINEAR_ELEMENTS
+    sizes, middles = front.from_front(np.diff(arc)), (arc[1:] + arc[:-1]) / 2
+    distances = np.min(
+        [-front.distances(middles, place) for place in (known.min(), known.max())], axis=0
+    )
+    at_edge = sizes[np.argmin(np.abs(distances))]
+    behind = distances > BEHIND * at_edge
+    if not behind.any():
+        return LINEAR_ELEMENTS
+    growth = float(np.max((sizes[behind] - at_edge) / distances[behind]))
+    return LINEAR_ELEMENTS * float(np.clip((growth / LINEAR_GROWTH) ** 1.5, 0.4, 1.0))
+
+
+def moved_edge(
+    contact: ContactHistory, front: PlaneFront, half_width: float, exponent: float = 0.5
+) -> MovedEdge:
+    """Movement of an edge between the two neighbours of the last state, whose half-width is given.
+
+    NaN if the edge does not move, or reaches the end of the surface. Between unlike bodies, whose
+    edges shear moves as well, K_N is NaN, and the growth is that of the pressure behind the edge,
+    which falls like s^exponent.
+    """
+    unknown = MovedEdge()
+    neighbours = contact.nearby_loads
+    if neighbours is None or np.any(neighbours.pressure[:, [0, -1]] > 0):
+        return unknown
+    if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
+        return unknown
+    if contact.surface.dundurs:
+        return MovedEdge(stiffening=_growth_behind(contact, front, half_width, exponent))
+    patches = [main_patch(contact.surface.arc, pressure) for pressure in neighbours.pressure]
+    fit = fit_edge(front.section(contact.surface.arc, neighbours.pressure, patches), solved=True)
+    outward = -front.inward * float(fit.position[1] - fit.position[0])
+    if not outward > SMALLEST_MOVE * np.ptp(contact.surface.arc):
+        return unknown
+    # The last way is the one with the largest circle, which the edge stays away from.
+    k_i = float(neighbours.k_i[-1, front.number])
+    growth = float(np.log(fit.k_n[1] / fit.k_n[0]) / outward)
+    k_n = 2 * k_i / outward
+    shift = float(np.linalg.norm(fit.spread_position)) / outward
+    # If the edge moved less than it seems by as much, K_N is larger by more than that.
+    between = shift / (1 - shift) if shift < 1 else np.inf
+    spread = abs(k_n) * between + float(np.ptp(neighbours.k_i[:, front.number])) / outward
+    return MovedEdge(k_n, spread, stiffening=growth + 0.5 / half_width)
+
+
+def _growth_behind(
+    contact: ContactHistory, front: PlaneFront, half_width: float, exponent: float
+) -> float:
+    """(d2P/da2)/(dP/da) between unlike bodies, from the pressure of the last state behind an edge.
+
+    With dP/da growing at the relative rate g a symmetric
+    contact of half-planes has p^2 = K_N^2 s (1 + c s), c = 5/(6a) - 4g/3 (from (A0)).
+    """
+    x, pressure = contact.surface.arc, contact.mean_traction[-1, :, 0]
+    section = plane_sections(x, pressure[None])[front.number]
+    s, p = section.s[0, : section.nodes[0]], section.values[0, : section.nodes[0]]
+    risen = s[int(np.argmax(p >= RISEN * p.max()))]
+    near = (s > 0) & (s <= risen)
+    slope, square = np.polyfit(s[near], p[near] ** (1 / exponent) / s[near], 1)
+    return float(0.75 * (5 / (6 * half_width) - 2 * exponent * slope / square))
+
+
+def unresolved(
+    histories: FactorHistories, fits: Sequence[EdgeFit], arc: Array, cycle: Indices
+) -> list[list[float]]:
+    """Errors of the range of (K_T, K_S) over a cycle by elements, for each station.
+
+    They are what integral and fits differ by, and what it means that a discrete contact area ends
+    somewhere within an element: K_T goes with the root of its half-width, so that an error of the
+    edge counts half, and by the largest range of all stations, since K_T of one may be a small
+    difference.
+
+    Args:
+        histories: the factors.
+        fits: position of each station, and its error bar.
+        arc: (N,) nodes of the contact.
+        cycle: states of the evaluated cycle.
+    """
+    directions = [direction for direction, _ in histories.directions(cycle)]
+    mean = map(along_line, histories.ways.mean(axis=0), directions)
+    ranges = [cycle_range(each, cycle) for each in mean]
+    misplaced = _misplaced(fits, arc, cycle, WITHIN_GRID if histories.exact else WITHIN_ELEMENT)
+    parts = [[share * max(ranges, default=np.nan)] for share in misplaced]
+    if histories.fitted is not None:
+        for own, known, line, fitted in zip(
+            parts, ranges, directions, histories.fitted, strict=True
+        ):
+            found = cycle_range(along_line(fitted, line), cycle)
+            # Where there are too few nodes for fits, integrals stand alone.
+            own.append(found - known if np.isfinite(found) else 0.0)
+    return parts
+
+
+def _misplaced(fits: Sequence[EdgeFit], arc: Array, cycle: Indices, elements: float) -> list[float]:
+    """Half the error of each edge over the half-width, where that is largest in the cycle."""
+    positions = np.array([fit.position[cycle] for fit in fits])
+    half_width = np.ptp(positions, axis=0) / 2
+    sizes = np.diff(arc)
+    shares = []
+    for position, fit in zip(positions, fits, strict=True):
+        size = sizes[np.clip(np.searchsorted(arc, position) - 1, 0, len(sizes) - 1)]
+        # The two errors are independent, but the larger one counts.
+        error = np.hypot(elements * size, fit.spread_position[cycle])
+        shares.append(float(np.max(error / (2 * half_width), initial=0.0)))
+    return shares

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The edges along a front of solids, as its stations are made of them."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.evaluate.contacts import NO_NUMBER, Frame, SlipZone, Station
+from fretfe.evaluate.growth import FindGrowth
+from fretfe.evaluate.numerics import last_known
+from fretfe.evaluate.slip import FindBorder
+from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
+from fretfe.evaluate.space.pressure_fit import load_growth
+from fretfe.evaluate.space.range_spread import unresolved
+from fretfe.evaluate.space.sectors import Frames
+from fretfe.evaluate.space.slip import SlipBetween, shear_share
+from fretfe.evaluate.stations import EdgeData, MovedEdge
+from fretfe.faults import Fault
+from fretfe.history.solution import ContactHistory
+
+# The front of a discrete contact area may lie anywhere in an element: half of it, and some more for
+# what its nodes do.
+RAGGED = 0.6
+
+NO_LOADS = "there are no two neighbouring loads, or K_I is not defined between these bodies"
+NO_FRONT = "the front or K_I is not known at a neighbouring load"
+AWAY = "the front of the neighbouring loads is too far from the station"
+STANDS = "the front does not move outward with the loads"
+POOR = "the front moves too little for elements of this size"
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrontEdges(EdgeData):
+    """The edges at the n stations of a front, with what only fronts of solids have.
+
+    Attributes:
+        contact: the contact.
+        name: of the front.
+        track: the front through the history.
+        slip: of the nodes of the contact.
+        moves: (n,) K_N by the movement of the front.
+    """
+
+    contact: ContactHistory
+    name: str
+    track: FrontTrack
+    slip: SlipBetween
+    moves: Sequence[MovedEdge]
+
+    def front(self, number: int) -> tuple[str, int]:
+        """The front, and the number along it."""
+        return self.name, number
+
+    def label(self, number: int) -> str:
+        """An edge in words, for messages."""
+        return f"contact {self.contact.name}, {self.name}, station {number}"
+
+    def place(self, number: int) -> tuple[Array, Frame]:
+        """Point (3,) and frame on the reference front."""
+        frames = self.track.front.frames
+        frame = Frame(frames.inward[number], frames.along[number], frames.across[number])
+        return frames.points[number], frame
+
+    def size(self, number: int) -> float:
+        """Length of an element across the front."""
+        return self.track.front.sectors[number].size
+
+    def moved(self, number: int) -> MovedEdge:
+        """K_N by the movement of the front."""
+        return self.moves[number]
+
+    def unresolved(self, number: int, direction: Array) -> list[float]:
+        """Errors of the range along a direction (2,) by the elements."""
+        track = self.track
+        return unresolved(self.factors, track.front, track.fit, number, direction, self.cycle)
+
+    def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
+        """Slip zones by the slip of the nodes, as of `EdgeData.border`."""
+        front = self.track.front
+        sector, depth = front.sectors[number], float(front.depth[number])
+        return self.slip.border_of(sector, position, depth, outer, growth)
+
+    def shear_share(
+        self, number: int, state: int, zone: SlipZone, line: Array, begin: float
+    ) -> float:
+        """Mean shear along a line over that of f p, as of `EdgeData.shear_share`."""
+        front, frames = self.track.front, self.track.front.frames
+        friction = float(self.frictions[number][zone.end])
+        position, depth = self.fits[number].position[state], float(front.depth[number])
+        axis = line[0] * frames.inward[number] + line[1] * frames.along[number]
+        reach = (float(position + begin), float(position + depth))
+        return shear_share(self.contact, front.sectors[number], state, friction, axis, reach)
+
+    def completed(self, number: int, station: Station) -> Station:
+        """The station with its place along the front, and what that makes of the contact there."""
+        front, frames = self.track.front, self.track.front.frames
+        length = float(last_known(self.track.fit.length[:, number], self.cycle))
+        depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
+        return replace(
+            station,
+            arc=float(frames.arc[number]),
+            curvature=float(frames.curvature[number]),
+            to_end=to_end,
+            depth=depth,
+            length=length,
+            # Within a local length of a free end fields are those of a vertex.
+            end=not to_end > max(min(depth, length), front.sectors[number].along_size),
+            stiffening=_stiffening(frames, number, length, depth),
+        )
+
+    def unknown(self, number: int, fault: Fault) -> Station:
+        """A station of which nothing but its place is known."""
+        frames = self.track.front.frames
+        place = {"point": frames.points[number], "arc": float(frames.arc[number])}
+        return replace(super().unknown(number, fault), **place)
+
+
+def _stiffening(frames: Frames, station: int, length: float, depth: float) -> float:
+    """Relative growth of dP/da with the half-width: in the plane, and of the front's length.
+
+    A concave front gets shorter, which takes away half of the former at most.
+    """
+    growth, curvature = load_growth(length, depth), float(frames.curvature[station])
+    round_front = frames.closed and curvature > 0
+    return growth + (1 / depth if round_front else max(curvature, -growth / 2))
+
+
+def moved_stations(
+    contact: ContactHistory, front: SpaceFront, stations: slice
+) -> tuple[MovedEdge, ...]:
+    """K_N of the n stations of a front by its movement about the last state.
+
+    Args:
+        contact: with its neighbouring loads.
+        front: in the reference state.
+        stations: which of all stations of the contact they are.
+    """
+    neighbours, count = contact.nearby_loads, len(front.sectors)
+    if neighbours is None:
+        return (MovedEdge(reason=NO_LOADS),) * count
+    fit = front.fits.fit(neighbours.pressure)
+    outward, spread = fit.place[0] - fit.place[1], np.linalg.norm(fit.place_spread, axis=0)
+    near = np.abs(fit.place).max(axis=0) <= NEAR * front.sizes
+    k_i = neighbours.k_i[:, stations]
+    # The border of the nodes in contact is ragged at both loads; see `range_spread`.
+    ragged = RAGGED * front.sizes / front.depth
+    return tuple(_moved(*each) for each in zip(near, outward, spread, k_i.T, ragged, strict=True))
+
+
+def _moved(near: bool, outward: float, spread: float, k_i: Array, ragged: float) -> MovedEdge:
+    """One station.
+
+    Args:
+        near: whether its front is close to it at both loads.
+        outward: how far it moves from the lower to the higher load.
+        spread: error bar of that, as if those of both places had nothing to do with each other.
+        k_i: (R,) of the difference of the loads, determined in R ways.
+        ragged: error of K_I over it by the border of the nodes in contact.
+    """
+
+    def unknown(reason: str) -> MovedEdge:
+        return MovedEdge(reason=reason)
+
+    if not np.isfinite([outward, *k_i]).all():
+        return unknown(NO_FRONT)
+    if not near:
+        return unknown(AWAY)
+    mean = float(k_i.mean())
+    if not (outward > 0 and mean > 0):
+        return unknown(STANDS)
+    k_n = 2 * mean / outward
+    relative = math.hypot(spread / outward, float(np.ptp(k_i)) / 2 / mean, ragged)
+    return unknown(POOR) if relative > NO_NUMBER else MovedEdge(k_n, relative * k_n)

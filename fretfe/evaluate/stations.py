@@ -1,0 +1,380 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stations of fronts, from what is known at their edges, in the plane and between solids."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.analytic.edges import oscillation
+from fretfe.evaluate.contacts import (
+    LARGEST_SPREAD,
+    CountedCycles,
+    Frame,
+    RangeSpread,
+    SlipZone,
+    Station,
+    StationHistory,
+    unknown_station,
+    without_formulas,
+)
+from fretfe.evaluate.cycles import count_cycles, worst_cycle
+from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.factors import (
+    FactorHistories,
+    along_line,
+    cycle_range,
+    main_direction,
+    reference_length,
+    reversed_share,
+    sliding_apart,
+)
+from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
+from fretfe.evaluate.increments import ContactSteps
+from fretfe.evaluate.load_path import LoadPath, excess, load_path
+from fretfe.evaluate.slip import FindBorder, cycle_states, slip_zones
+from fretfe.evaluate.verdicts import FLANK
+from fretfe.evaluate.withheld import failed
+from fretfe.faults import Fault, guarded
+from fretfe.history.solution import Factor
+
+
+@dataclass(frozen=True)
+class MovedEdge:
+    """K_N of an edge by its movement between two loads; NaN where it is not known.
+
+    Attributes:
+        k_n: 2 dK_I/da; needs no assumption about the shape of the pressure. Exact for a small step
+            (central difference).
+        spread: half the width of an interval that is meant to hold it with 95 %.
+        reason: why it is not known, in words, of solids; empty where it is.
+        stiffening: in the plane (d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a), by
+            K_N = (1/pi) sqrt(2/a) dP/da.
+    """
+
+    k_n: float = math.nan
+    spread: float = math.nan
+    reason: str = ""
+    stiffening: float = math.nan
+
+
+@dataclass(frozen=True, kw_only=True)
+class EdgeData(ABC):
+    """Edges that are evaluated together, and all that their n stations are made of.
+
+    In the plane they are the two of a contact, of solids those of a front.
+
+    Attributes:
+        steps: of the contact.
+        fits: (n,) position and K_N.
+        factors: of the increments.
+        frictions: (n,) coefficient (T,) in the step that ends at each state.
+        half_widths: (n,) half of the width of the contact, as last known.
+        pressed: (n,) whether P alone drives each of them.
+        last: state whose numbers stand for the station.
+        lengths: (n,) reference lengths of unlike bodies, at which K_N and factors are; None between
+            similar ones, and where they are still at the length 1.
+    """
+
+    steps: ContactSteps
+    fits: Sequence[EdgeFit]
+    factors: FactorHistories
+    frictions: Sequence[Array]
+    half_widths: Array
+    pressed: Sequence[bool]
+    last: int
+    lengths: Array | None = field(default=None)
+
+    @abstractmethod
+    def front(self, number: int) -> tuple[str, int]:
+        """Front of an edge, and number of the edge along it."""
+
+    @abstractmethod
+    def label(self, number: int) -> str:
+        """An edge in words, for messages."""
+
+    @abstractmethod
+    def place(self, number: int) -> tuple[Array, Frame]:
+        """Point (3,) and frame of the station."""
+
+    @abstractmethod
+    def size(self, number: int) -> float:
+        """Length of an element at an edge."""
+
+    @abstractmethod
+    def moved(self, number: int) -> MovedEdge:
+        """K_N by the movement of an edge."""
+
+    @abstractmethod
+    def unresolved(self, number: int, direction: Array) -> list[float]:
+        """Errors of the range along a direction (2,) by the elements."""
+
+    @abstractmethod
+    def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
+        """Slip zones by the slip of the nodes.
+
+        Args:
+            number: of the edge.
+            position: (T,) of it.
+            outer: (T,) whether the slip in the step to each state counts.
+            growth: gives the growth of the zone of a half cycle.
+        """
+
+    @abstractmethod
+    def shear_share(
+        self, number: int, state: int, zone: SlipZone, line: Array, begin: float
+    ) -> float:
+        """Mean shear along a line over that of f p, from a distance from the edge to the middle.
+
+        Args:
+            number: of the edge.
+            state: of the tractions.
+            zone: with whose friction.
+            line: (2,) by `inward` and `along`.
+            begin: the distance.
+        """
+
+    @abstractmethod
+    def completed(self, number: int, station: Station) -> Station:
+        """The station with what only the plane, or only solids, know of it."""
+
+    def unknown(self, number: int, fault: Fault) -> Station:
+        """The station of which nothing is known, since fretfe failed."""
+        return unknown_station(*self.front(number), len(self.steps.touching), failed(fault))
+
+    @property
+    def cycle(self) -> Indices:
+        """States of the evaluated cycle."""
+        return cycle_states(self.steps.solution.cycle)
+
+    @cached_property
+    def path(self) -> LoadPath | None:
+        """The loads of the cycle between its steps, unless they are straight lines."""
+        solution = self.steps.solution
+        return load_path(solution.values, solution.between, solution.cycle)
+
+    def stations(self, told: float | None) -> tuple[Station, ...]:
+        """The stations, of unlike bodies at the lengths of their predicted slip zones or another.
+
+        Args:
+            told: the other length; None without.
+        """
+        if not self.steps.dundurs:
+            return self._evaluated()
+        zones = self._reference_lengths()
+        stations = self.at(zones, zones)._evaluated()
+        if told is None:
+            return stations
+        # Formulas for slip zones need the factors at their own lengths.
+        others = self.at(np.full_like(zones, told), zones)._evaluated()
+        return tuple(
+            replace(other, slip_zones=station.slip_zones)
+            for other, station in zip(others, stations, strict=True)
+        )
+
+    def _reference_lengths(self) -> Array:
+        """(n,) lengths of the slip zones that the edges predict."""
+        factors = self.factors.ways.mean(axis=0)
+        edges = zip(self.fits, factors, self.frictions, self.half_widths, self.pressed, strict=True)
+        beta, cycle = self.steps.dundurs, self.cycle
+        return np.array(
+            [
+                reference_length(beta, fit, own, friction, float(half_width), cycle, pressed)
+                for fit, own, friction, half_width, pressed in edges
+            ]
+        )
+
+    def at(self, lengths: Array, zones: Array) -> EdgeData:
+        """The same of unlike bodies at reference lengths (n,), with slip zones (n,)."""
+        beta, factors = self.steps.dundurs, self.factors.at(self.steps.dundurs, lengths)
+        mean, fits = factors.ways.mean(axis=0), []
+        for number, (direction, _) in enumerate(factors.directions(self.cycle)):
+            share = reversed_share(along_line(mean[number], direction), self.cycle)
+            sliding = sliding_apart(beta, self.frictions[number].max(), direction)
+            elements = share * zones[number] / self.size(number)
+            fits.append(self.fits[number].at(lengths[number], elements, sliding))
+        return replace(self, fits=tuple(fits), factors=factors, lengths=lengths)
+
+    def _evaluated(self) -> tuple[Station, ...]:
+        """All stations; of one at which fretfe fails hardly anything is known."""
+        return tuple(
+            guarded(self.label(each), partial(self.station, each), partial(self.unknown, each))
+            for each in range(len(self.fits))
+        )
+
+    def station(self, number: int) -> Station:
+        """All that is known of a station."""
+        beta, friction = self.steps.dundurs, self.frictions[number]
+        cycle, moved = self.cycle, self.moved(number)
+        history = self._history(number, moved)
+        vectors = np.column_stack([history.k_t, history.k_s])
+        direction, turning = main_direction(vectors, cycle)
+        along = replace(history, k_t=vectors @ direction)
+        evaluated = _known(along, self.steps.known)
+        cycles = count_cycles(cycle, friction, evaluated, self.steps.solution.loads.returns)
+        parts = self.unresolved(number, direction)
+        spread = range_spread(self.factors, number, direction, parts, cycle, self.path)
+        point, frame = self.place(number)
+        fitted = self.factors.fitted
+        exponents = np.broadcast_to(self.fits[number].exponent, history.k_n.shape)
+        found = Station(
+            **vars(history),
+            point=point,
+            frame=frame,
+            size=self.size(number),
+            k_n_moved=moved.k_n,
+            k_n_moved_spread=moved.spread,
+            k_n_moved_reason=moved.reason,
+            stiffening=moved.stiffening,
+            k_t_range=cycle_range(history.k_t, cycle),
+            k_s_range=cycle_range(history.k_s, cycle),
+            k_range=cycle_range(along.k_t, cycle),
+            k_angle=float(np.degrees(np.arctan2(direction[1], direction[0]))),
+            turning=turning,
+            k_range_spread=spread.total,
+            k_range_parts=spread,
+            k_t_range_fitted=(
+                math.nan
+                if fitted is None
+                else cycle_range(along_line(fitted[number], direction), cycle)
+            ),
+            k_i_range=cycle_range(history.k_i, cycle),
+            reference_length=math.nan if self.lengths is None else float(self.lengths[number]),
+            exponent=float(exponents[history.last]),
+            oscillation=oscillation(beta),
+            # Shear along the front is independent of beta.
+            coupling=abs(beta * float(direction[0])) * float(friction.max()),
+            friction=float(friction[history.last]),
+            cycles=cycles,
+            slip_zones=self._zones(number, evaluated, cycles, direction),
+        )
+        return without_formulas(self.completed(number, found))
+
+    def _history(self, number: int, moved: MovedEdge) -> StationHistory:
+        """Position and factors; without displacements along z K_S is zero."""
+        fit, cycle = self.fits[number], self.cycle
+        factors = self.factors.ways[:, number].mean(axis=0)
+        *_, k_s = np.pad(factors, ((0, 0), (0, 3 - factors.shape[1]))).T
+        front, along = self.front(number)
+        return StationHistory(
+            front=front,
+            number=along,
+            position=fit.position,
+            position_spread=fit.spread_position,
+            k_n=fit.k_n,
+            k_n_spread=with_moved(fit.k_n, fit.spread_k_n, moved.k_n),
+            k_t=factors[:, Factor.K_T],
+            k_s=k_s,
+            k_i=factors[:, Factor.K_I],
+            last=self.last,
+            first=int(cycle[0]) if len(cycle) else -1,
+        )
+
+    def _zones(
+        self, number: int, along: StationHistory, cycles: CountedCycles, direction: Array
+    ) -> tuple[SlipZone, ...]:
+        """Slip zones, predicted with K along the direction in which it varies most."""
+        friction, cycle = self.frictions[number], self.cycle
+        worst = worst_cycle(cycles, cycle, friction, along)
+        outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
+
+        def growth(start: int, end: int) -> Growth | None:
+            return zone_growth(along, friction, start, end, outer)
+
+        zones = slip_zones(
+            cycle,
+            friction,
+            along,
+            self.border(number, along.position, outer, growth),
+            self.path,
+            worst,
+            self.pressed[number],
+            self.steps.dundurs != 0,
+        )
+        return tuple(self.with_shear(number, zone, direction) for zone in zones)
+
+    def with_shear(self, number: int, zone: SlipZone, direction: Array) -> SlipZone:
+        """A slip zone with the share of f p that acts across (K_T, K_S) and along it.
+
+        That across it between bodies that move along the front; that along it if the mesh does not
+        resolve the zone.
+        """
+        predicted = max(float(np.nan_to_num(zone.prediction)), 0.0)
+        if self.factors.ways.shape[-1] > Factor.K_S:
+            normal = np.array([-direction[1], direction[0]])
+            across = self.shear_share(number, zone.start, zone, normal, predicted)
+            zone = replace(zone, across=across)
+        if zone.resolved or zone.gross:
+            return zone
+        flank = self.shear_share(number, zone.end, zone, direction, FLANK * predicted)
+        return replace(zone, flank=flank)
+
+
+def _known(history: StationHistory, known: Bools) -> StationHistory:
+    """A history in some states (T,) alone."""
+
+    def only(values: Array) -> Array:
+        return np.where(known, values, math.nan)
+
+    return replace(
+        history,
+        position=only(history.position),
+        position_spread=only(history.position_spread),
+        k_n=only(history.k_n),
+        k_n_spread=only(history.k_n_spread),
+        k_t=only(history.k_t),
+        k_s=only(history.k_s),
+        k_i=only(history.k_i),
+    )
+
+
+def range_spread(
+    factors: FactorHistories,
+    number: int,
+    direction: Array,
+    unresolved: Sequence[float],
+    cycle: Indices,
+    path: LoadPath | None,
+) -> RangeSpread:
+    """Error bar of the range of (K_T, K_S) along a direction over a cycle, of one station.
+
+    Args:
+        factors: of all stations.
+        number: of the station.
+        direction: (2,) of (K_T, K_S).
+        unresolved: errors by the elements, but for steps of which one end only is known.
+        cycle: states of the evaluated cycle.
+        path: loads of the cycle between its steps, unless they are straight lines.
+    """
+    ways = along_line(factors.ways[:, number], direction)
+    ranges = [cycle_range(way, cycle) for way in ways]
+    # One way alone has no spread unless it is exact.
+    alone = 0.0 if factors.exact else math.nan
+    return RangeSpread(
+        extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
+        discretisation=float(np.linalg.norm([factors.one_sided[number], *unresolved])),
+        steps=excess(ways.mean(axis=0), cycle, path) + float(factors.uneven[number]),
+    )
+
+
+def with_moved(k_n: Array, spread: Array, moved: float) -> Array:
+    """(T,) error bars of K_N that hold K_N by the movement of the edge, where it is known.
+
+    Where the fits of the last state disagree, so may all of them; K_N by the movement of the edge
+    does not depend on them.
+
+    Args:
+        k_n: (T,) by fits.
+        spread: (T,) their error bars.
+        moved: K_N of the last state by the movement; NaN if unknown.
+    """
+    wider = spread.copy()
+    if spread[-1] > LARGEST_SPREAD * k_n[-1] and math.isfinite(moved):
+        wider[-1] = max(spread[-1], abs(k_n[-1] - moved))
+    return wider
