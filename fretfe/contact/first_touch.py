@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Where bodies that nothing holds yet touch first: rigid motion until contact stops it.
+"""The first touch of bodies that nothing holds yet: rigid motion until contact stops it.
 
 Loads do the most work on a loose body that they can before it penetrates another one,
 
@@ -40,16 +40,30 @@ def displacement_at_first_touch(
     if not loose.shape[1]:
         return None
     forces = interface.coordinate_loads @ loads.amplitudes + loads.values
-    known = np.where(released, 0.0, loads.values)
-    stiff = interface.stiffness[np.ix_(released, released)]
-    elastic = (forces - interface.stiffness @ known)[released]
-    at_rest = known.copy()
-    at_rest[released] = np.linalg.lstsq(stiff, elastic, rcond=None)[0]
+    displacement = _without_contact(interface, loads, forces)
     shape = interface.size, interface.components
-    displacement = loads.without_traction(interface)
-    displacement += (interface.motion @ at_rest).reshape(shape)
     moved = (interface.motion @ loose).reshape(*shape, -1)
     found = linprog(
         -(forces @ loose), A_ub=-moved[:, 0], b_ub=displacement[:, 0], bounds=(None, None)
     )
     return displacement + moved @ found.x if found.success else None
+
+
+def _without_contact(interface: Interface, loads: StepLoads, forces: Array) -> Array:
+    """(N, d) gap and tangential displacement by loads and supports alone.
+
+    Of the motions that nothing resists the smallest is taken: the linear programme has the rest.
+
+    Args:
+        interface: the interface problem.
+        loads: what acts.
+        forces: (C,) of the loads on the coordinates.
+    """
+    released = ~interface.prescribed
+    at_rest = np.where(released, 0.0, loads.values)
+    stiff = interface.stiffness[np.ix_(released, released)]
+    elastic = (forces - interface.stiffness @ at_rest)[released]
+    at_rest[released] = np.linalg.lstsq(stiff, elastic, rcond=None)[0]
+    shape = interface.size, interface.components
+    moved: Array = (interface.motion @ at_rest).reshape(shape)
+    return loads.without_traction(interface) + moved

@@ -318,7 +318,7 @@ def _unresolved(station: Station, zone: SlipZone) -> str:
 
 
 def _known(spread: float) -> str:
-    """How well a length is known, in words."""
+    """The words for how well a length is known."""
     return f"to ± {spread:.2g} only" if math.isfinite(spread) else "without an error bar"
 
 
