@@ -14,12 +14,12 @@ from fretfe.bodies.definition import (
     model_notes,
     require_possible,
 )
+from fretfe.bodies.expected import proposed_sizes
 from fretfe.bodies.loads.files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, case_notes, parse_case, stiffness_doubts
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
-from fretfe.evaluate.resolution import proposed_sizes
 from fretfe.loads import History
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.load import size_key

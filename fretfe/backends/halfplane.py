@@ -86,7 +86,8 @@ def _limits(
     case: Case, solution: Solution, contacts: Iterable[Contact], problem: HalfPlaneProblem
 ) -> tuple[ModelLimit, ...]:
     """Limits of the model, of the contacts and of the size of the bodies."""
-    own = (limit for each in solution.contacts for limit in contact_limits(case, each))
+    bodies, plane = case.bodies, case.model.plane
+    own = (limit for each in solution.contacts for limit in contact_limits(bodies, plane, each))
     return (*own, *chain.from_iterable(size_limits(each, problem) for each in contacts))
 
 
@@ -127,7 +128,7 @@ class HalfPlaneBackend(Backend):
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"
             notes = (*notes, f"pressure and shear depend on each other ({beta})")
-        found = guarded("notes", lambda: tuple(unlike_notes(case, contacts)), lambda _: ())
+        found = guarded("notes", lambda: tuple(unlike_notes(told, contacts)), lambda _: ())
         notes = (*notes, *found)
         limits = guarded(
             "limits of the model", lambda: _limits(case, solution, contacts, problem), lambda _: ()

@@ -52,10 +52,10 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 
 
 def _print(checked: Checked) -> None:
+    from fretfe.bodies.expected import coarse_contacts
     from fretfe.case import stiffness_doubts
     from fretfe.checked import propose
     from fretfe.console import Console
-    from fretfe.evaluate.resolution import coarse_contacts
     from fretfe.loads import cycle_words, most_added
     from fretfe.mesh.cost import refuse_too_large
 

@@ -12,6 +12,7 @@ import numpy.typing as npt
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import at_length, oscillation, sliding_exponent
 from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.load_path import STRAIGHT
 from fretfe.history.solution import Factor
 
 # Nodes in contact that factors and useful error bars need: as many as fits to full stick.
@@ -23,14 +24,13 @@ WANTED_NODES = 16
 # full stick counts with 1/sqrt(s (d - s)), over which the mean of ln s is ln(d/4).
 K_T_LENGTH = 0.25
 K_I_LENGTH = math.exp(-3)
-# A slip zone of which nothing is known is taken for so long, in half-widths; shorter than the other
-# is round-off.
+# A slip zone of which nothing is known is taken for so long, in half-widths.
 UNKNOWN_ZONE = 0.1
-LEAST_LENGTH = 1e-6
+# Slip zones that are less than this fraction of the half-width, and edges that move by less than
+# that of the surface between two loads, do not tell anything.
+SMALLEST_MOVE = 1e-6
 # Iterations for the reference length, which hardly matters.
 LENGTH_ITERATIONS = 5
-# Extremes of a cycle are the same if they differ by less than this part of its range.
-SAME_EXTREME = 1e-9
 # Components of a direction below this are round-off.
 ROUND_OFF = 1e-9
 
@@ -170,7 +170,7 @@ def reference_length(
         shear = factors_at(factors, dundurs, length)[:, Factor.K_T :]
         reach = float(np.ptp(shear[states] @ main_direction(shear, cycle)[0]))
         found = share * reach / (friction.max() * fit.told(length)[states[-1]])
-        if not LEAST_LENGTH * half_width < found < half_width:
+        if not SMALLEST_MOVE * half_width < found < half_width:
             break
         length = float(found)
     return length
@@ -202,7 +202,7 @@ def reversed_share(along: Array, cycle: Indices) -> Array:
     if not len(cycle) or not np.ptp(values) > 0:
         return shares
     far = np.array([values.max(), values.min()])
-    near = np.isclose(values, far[:, None], rtol=0.0, atol=SAME_EXTREME * np.ptp(values))
+    near = np.isclose(values, far[:, None], rtol=0.0, atol=STRAIGHT * np.ptp(values))
     # A cycle hardly ever closes to round-off: its last state ends what its first one ended.
     near[:, [0, -1]] = near[:, [0, -1]].any(axis=1, keepdims=True)
     at = np.argmax(near, axis=1)

@@ -8,7 +8,7 @@ small-displacement model, or the description of its edges, is wrong by about one
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from functools import cache
 from typing import TYPE_CHECKING
@@ -16,7 +16,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Case
+from fretfe.case import AnyBody
+from fretfe.case.tables import Plane
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
@@ -131,7 +132,9 @@ def with_limit_warnings(
     return tuple(warned(each) for each in contacts)
 
 
-def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
+def contact_limits(
+    bodies: Mapping[str, AnyBody], plane: Plane, contact: ContactHistory
+) -> Iterator[ModelLimit]:
     """Limits that the history of a contact tells by itself; none if it never closes."""
     extent = contact_extent(contact)
     if extent.width == 0:
@@ -144,7 +147,7 @@ def contact_limits(case: Case, contact: ContactHistory) -> Iterator[ModelLimit]:
         LARGEST_SLIDING,
     )
     modulus = min(
-        normal_modulus(case.bodies[body], case.model.plane, contact.surface.mean_normal)
+        normal_modulus(bodies[body], plane, contact.surface.mean_normal)
         for body in (contact.body1, contact.body2)
     )
     yield ModelLimit(
@@ -202,24 +205,28 @@ def with_cut_spreads(
 
 
 def with_crossed_spreads(
-    contacts: Iterable[Contact], histories: Iterable[ContactHistory], case: Case
+    contacts: Iterable[Contact],
+    histories: Iterable[ContactHistory],
+    bodies: Mapping[str, AnyBody],
+    plane: Plane,
 ) -> tuple[Contact, ...]:
     """The contacts of solids with what the cross compliance of crystals adds to the bars of K_N."""
-    return tuple(
-        _crossed(contact, history, case) if contact.solid else contact
-        for contact, history in zip(contacts, histories, strict=True)
-    )
-
-
-def _crossed(contact: Contact, history: ContactHistory, case: Case) -> Contact:
-    """A contact with wider bars of K_N where pressure and shear displace across each other."""
     # Imported where it is needed: reports of plane contacts do without SciPy.
     from fretfe.idealise.bodies import cross_compliance
 
-    bodies = case.bodies[history.body1], case.bodies[history.body2]
-    cross = cross_compliance(*bodies, case.model.plane, history.surface.mean_normal)
-    if not cross:
-        return contact
+    found = []
+    for contact, history in zip(contacts, histories, strict=True):
+        if contact.solid:
+            pair, normal = (history.body1, history.body2), history.surface.mean_normal
+            body1, body2 = (bodies[each] for each in pair)
+            cross = cross_compliance(body1, body2, plane, normal)
+            contact = _crossed(contact, history, cross) if cross else contact
+        found.append(contact)
+    return tuple(found)
+
+
+def _crossed(contact: Contact, history: ContactHistory, cross: float) -> Contact:
+    """A contact with wider bars of K_N where pressure and shear displace across each other."""
 
     def widened(station: Station) -> Station:
         relative = CROSSED * cross * history.friction.acts * station.friction
@@ -243,7 +250,8 @@ def _difference_near(points: Array, place: Array, first: Array, second: Array) -
 
 
 def surface_notes(
-    case: Case,
+    bodies: Mapping[str, AnyBody],
+    plane: Plane,
     histories: Iterable[ContactHistory],
     contacts: Collection[Contact],
     limits: Iterable[ModelLimit],
@@ -255,7 +263,8 @@ def surface_notes(
     length: about the displacement by which P presses the bodies together.
 
     Args:
-        case: whose cuts another program moves.
+        bodies: of a case whose cuts another program moves.
+        plane: how it is plane.
         histories: of the contacts.
         contacts: their evaluation.
         limits: of the model.
@@ -264,9 +273,8 @@ def surface_notes(
     turns = {each.contact: each.found for each in limits if each.kind is Kind.ROTATION}
     for history in histories:
         extent, turn = contact_extent(history), turns.get(history.name, math.nan)
-        bodies = (case.bodies[name] for name in (history.body1, history.body2))
-        soft = sum(1 / normal_modulus(each, case.model.plane, history.surface.mean_normal)
-                   for each in bodies)  # fmt: skip
+        pair, normal = (history.body1, history.body2), history.surface.mean_normal
+        soft = sum(1 / normal_modulus(bodies[each], plane, normal) for each in pair)
         length = extent.width if history.surface.points.shape[1] == 3 else 1.0
         gap, pressed = extent.sliding * turn, forces[history.name] * soft / length
         if gap > 0 and pressed > 0:
@@ -278,9 +286,13 @@ def surface_notes(
             )
 
 
-def unlike_notes(case: Case, contacts: Collection[Contact]) -> Iterator[str]:
-    """A line for each front between unlike bodies: length of its factors, lambda and epsilon."""
-    chosen = case.edges.reference_length
+def unlike_notes(chosen: float | None, contacts: Collection[Contact]) -> Iterator[str]:
+    """A line for each front between unlike bodies: length of its factors, lambda and epsilon.
+
+    Args:
+        chosen: the length that a case asks for, or None.
+        contacts: their evaluation.
+    """
     if chosen and not any(each.oscillation for contact in contacts for each in contact.stations):
         yield (
             "edges.reference_length has no effect: there is no edge between unlike bodies with "

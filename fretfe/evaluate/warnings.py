@@ -17,7 +17,7 @@ from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
 from fretfe.evaluate.plane.lacks import evaluated_states
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
-from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches, plane_front
+from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import withheld
@@ -83,7 +83,7 @@ def plane_warnings(
         yield from about(name, station.front, _uncertain(station, linear=solution.degree == 1))
     for station in stations:
         ends = np.column_stack([contact.surface.arc[:-1], contact.surface.arc[1:]])
-        s = plane_front(station.front).inward * (ends - station.position[station.last])
+        s = station.inward * (ends - station.position[station.last])
         beside = _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
         if beside is not None:
             yield from about(name, station.front, [(Kind.BESIDE_FINE_MESH, beside)])

@@ -12,6 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from fretfe.backends.protocol import DEFAULTS, Backend, Processes, RunOptions, Session
+from fretfe.bodies.expected import coarse_contacts
 from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
     address_room,
@@ -22,7 +23,6 @@ from fretfe.environment import (
     too_little_room,
 )
 from fretfe.errors import MemoryShortError
-from fretfe.evaluate.resolution import coarse_contacts
 from fretfe.fem._compat import MPI, WORK_SPACE, PETSc, basix
 from fretfe.fem.model import LoadMesh, Prepared, build_model
 from fretfe.fem.parallel import on_root, release

@@ -147,7 +147,7 @@ def model_limits(
     pairs = {each.name: each for each in model.reduction.pairs}
     for history in solution.contacts:
         pair = pairs[history.pair]
-        limits += contact_limits(model.case, history)
+        limits += contact_limits(model.case.bodies, model.case.model.plane, history)
         limits += _dissimilar(model.case, history)
         limits += _at_other_temperatures(model, history, solution)
         extent = contact_extent(history)

@@ -205,7 +205,7 @@ class _Run:
         divided = division_notes(solution.ends)
         solution, contacts = at_step_ends(solution, contacts)
         self._solution, self._contacts = solution, contacts
-        repeats = (each.text for each in solution.repeats)
+        repeats, told = (each.text for each in solution.repeats), case.edges.reference_length
         return Result(
             case=case,
             loads=solution.loads,
@@ -219,7 +219,7 @@ class _Run:
                 *divided,
                 *repeats,
                 *added,
-                *guarded("notes", lambda: tuple(unlike_notes(case, contacts)), lambda _: ()),
+                *guarded("notes", lambda: tuple(unlike_notes(told, contacts)), lambda _: ()),
             ),
             failure=failure,
             limits=limits,
@@ -252,7 +252,9 @@ class _Run:
         unknown = partial(unknown_contacts, solution)
         crossed = guarded(
             "error bars by cross compliances",
-            lambda: with_crossed_spreads(contacts, solution.contacts, self._case),
+            lambda: with_crossed_spreads(
+                contacts, solution.contacts, self._case.bodies, self._case.model.plane
+            ),
             unknown,
         )
         warned = with_limit_warnings(crossed, limits)

@@ -17,7 +17,6 @@ from fretfe.case import IS_CRYSTAL, isotropic
 from fretfe.contact.recorder import Recorder
 from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.stress import judged_states, tension
 from fretfe.evaluate.surface_stress import (
     EdgeValue,
@@ -238,7 +237,7 @@ class _Writer:
         if isotropic(self._case.bodies[site.place.bodies[body]]) is None:
             # Pressure alone does not make sigma_t = -p: there is another singular part.
             return EdgeValue(np.nan, np.nan, IS_CRYSTAL), np.nan
-        arc, inward = site.strains[body].arc, plane_front(station.front).inward
+        arc, inward = site.strains[body].arc, station.inward
         edge = arc, smooth[body], float(station.position[state]), inward, patch
         return edge_stress(*edge, np.asarray(patch.status[state])), near_edge(*edge)
 

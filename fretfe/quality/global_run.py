@@ -317,7 +317,8 @@ def followed_notes(result: Result) -> Iterator[str]:
     """Difference that another program makes where it follows the deformed surfaces, in words."""
     case, histories = result.case, result.solution.contacts
     if not all(case.resolve(each.file).is_dir() for each in case.cut_loads.values()):
-        yield from surface_notes(case, histories, result.contacts, result.limits)
+        bodies, plane = case.bodies, case.model.plane
+        yield from surface_notes(bodies, plane, histories, result.contacts, result.limits)
 
 
 def carried_rows(result: Result) -> Iterator[Row]:

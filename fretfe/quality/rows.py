@@ -212,7 +212,7 @@ def limit_rows(result: Result) -> Iterator[Row]:
 def hertz_rows(result: Result) -> Iterator[Row]:
     """K_N at the station of the largest |ΔK| of each front of solids, whose mesh is there."""
     # Imported where it is needed: a report of plane bodies does without the kernels of surfaces.
-    from fretfe.evaluate.resolution import hertz_contact
+    from fretfe.bodies.expected import hertz_contact
     from fretfe.surface.checks import initial_gaps
 
     if not result.bodies or not result.solid:

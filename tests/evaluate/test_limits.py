@@ -22,7 +22,9 @@ def test_k_n_of_crystals_holds_what_shear_does_to_the_pressure(
     """Normal <111>, .7 f P, f = .5: 2.4 % by half-spaces, fits find 5.3: .4 f times .144."""
     result = stationed_sphere()
     case = parse_case(cycled_sphere.tables(0.5) | {"bodies": {"upper": body, "lower": body}})
-    (found,) = with_crossed_spreads(result.contacts, result.solution.contacts, case)
+    (found,) = with_crossed_spreads(
+        result.contacts, result.solution.contacts, case.bodies, case.model.plane
+    )
     for before, after in zip(result.contacts[0].stations, found.stations, strict=True):
         (k_n, bar), (same, wider) = before.last_k_n, after.last_k_n
         assert same == k_n

@@ -57,10 +57,6 @@ TOO_LONG = {
     "fretfe.contact.linear_operator",
     "fretfe.contact.recorder",
     "fretfe.evaluate.contacts",
-    "fretfe.evaluate.factors",
-    "fretfe.evaluate.plane.evaluate",
-    "fretfe.evaluate.resolution",
-    "fretfe.evaluate.space.evaluate",
     "fretfe.evaluate.space.local",
     "fretfe.fem.elasticity",
     "fretfe.fem.limits",
@@ -79,13 +75,13 @@ TOO_LONG = {
 }
 # Plain numbers that modules name: most were found by trial, and each has to be known to be changed.
 NUMBERS = {
-    "analytic": 18,
+    "analytic": 25,
     "backends": 8,
-    "bodies": 37,
+    "bodies": 41,
     "case": 20,
     "cli": 3,
     "contact": 50,
-    "evaluate": 226,
+    "evaluate": 215,
     "exchange": 30,
     "fem": 53,
     "fields": 13,
@@ -153,8 +149,6 @@ COMMON_NAMES = {
 KNOW_CASES = {"api", "backends", "bodies", "case", "checked", "cli", "fem", "idealise", "loads",
               "materials", "mesh", "runner", "work"}  # fmt: skip
 STILL_KNOW_CASES = {
-    "fretfe.evaluate.limits",
-    "fretfe.evaluate.resolution",
     "fretfe.exchange.part_tables",
     "fretfe.exchange.submodel",
     "fretfe.quality.companions",

@@ -16,15 +16,11 @@ from typer.testing import CliRunner
 from fretfe import checked
 from fretfe.analytic.profiles import FlatRounded
 from fretfe.backends.protocol import Observer, RunOptions
+from fretfe.bodies.expected import Proposal, coarse_contacts, proposed_sizes
 from fretfe.case import load_case, parse_case
 from fretfe.checked import check, propose
 from fretfe.cli.app import app
-from fretfe.evaluate.resolution import (
-    BAR_TIMES_ELEMENTS,
-    Proposal,
-    coarse_contacts,
-    proposed_sizes,
-)
+from fretfe.evaluate.resolution import BAR_TIMES_ELEMENTS
 from fretfe.fem.backend import BACKEND
 from fretfe.loads import build_history
 from fretfe.surface.checks import load_mesh

@@ -12,9 +12,10 @@ from cases.blocks import graded
 from cases.tiny_meshes import Element, Node, TinyMesh
 
 import fretfe
+from fretfe.analytic.hertz import half_width
+from fretfe.bodies.expected import coarse_contacts
 from fretfe.case import Case, parse_case
 from fretfe.checked import check
-from fretfe.evaluate.resolution import coarse_contacts, half_width
 
 RADIUS, YOUNG, POISSON, FORCE = 20.0, 210e3, 0.3, 100.0  # of the whole, per unit thickness
 MODULUS = YOUNG / (1 - POISSON**2) / 2

@@ -11,7 +11,12 @@ import numpy as np
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import Frame, SlipZone, Station
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.factors import FactorHistories, along_line, cycle_range
+from fretfe.evaluate.factors import (
+    SMALLEST_MOVE,
+    FactorHistories,
+    along_line,
+    cycle_range,
+)
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
@@ -34,8 +39,6 @@ LINEAR_ELEMENTS = 0.06
 LINEAR_GROWTH = 0.45
 # Elements at the edge within which sizes behind it tell no growth.
 BEHIND = 3.0
-# Edges that move less than this fraction of the surface between two loads do not tell anything.
-SMALLEST_MOVE = 1e-6
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
 # equal chance: nineteen of twenty are nearer than this.
 WITHIN_ELEMENT = 0.475

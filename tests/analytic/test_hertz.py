@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from fretfe._typing import Array
-from fretfe.evaluate.resolution import expected_contact, half_width, hertz_half_axes
+from fretfe.analytic.hertz import expected_contact, half_width, hertz_half_axes
 
 X = np.linspace(-8.0, 8.0, 641)
 
