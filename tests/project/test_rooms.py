@@ -22,13 +22,13 @@ BESIDE_ROOMS = {"system", "project", "campaign", "cases", "reference", "harness"
 # Code lines (no docstrings, comments, blanks, imports) of each room; five in a hundred are free.
 ROOM_LINES = {
     "_core": 0,
-    "analytic": 1037,
+    "analytic": 1103,
     "backends": 470,
-    "bodies": 1801,
+    "bodies": 1984,
     "case": 2454,
     "cli": 1301,
     "contact": 2093,
-    "evaluate": 7316,
+    "evaluate": 6966,
     "exchange": 1990,
     "fem": 3860,
     "fields": 1227,
