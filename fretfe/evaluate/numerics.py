@@ -105,6 +105,23 @@ def last_known(values: Array, cycle: Indices) -> float:
     return float(known[-1]) if len(known) else np.nan
 
 
+def rising_zero(coefficients: Array, inverse: Array, farthest: float) -> tuple[float, float]:
+    """Zero next to 0 of a polynomial that rises, and its standard error; NaN without one.
+
+    Args:
+        coefficients: (m,) of the powers from 0 on.
+        inverse: (m, n) that gives them from n values over their errors.
+        farthest: the zero from 0.
+    """
+    powers, zero, slope = np.arange(len(coefficients)), 0.0, 1.0
+    for _ in range(10):  # Newton
+        slope = float(coefficients[1:] @ (powers[1:] * zero ** powers[:-1]))
+        if not slope > 0 or abs(zero) > farthest:
+            return np.nan, np.nan
+        zero -= float(coefficients @ zero**powers) / slope
+    return zero, float(np.linalg.norm(zero**powers @ inverse)) / slope
+
+
 def pressure_moments(x: Array, p: Array, centre: Array) -> Array:
     """Return (T,) moments of piecewise-linear pressures (T, n) at x (n,) about centres (T,)."""
     arm, left, right = x - centre[:, None], p[:, :-1], p[:, 1:]

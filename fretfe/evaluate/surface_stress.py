@@ -30,10 +30,11 @@ from fretfe._typing import Array, Indices
 from fretfe.case import AnyBody
 from fretfe.case.tables import Plane
 from fretfe.evaluate.critical_planes import PAIRS as ORDER
-from fretfe.history.solution import OPEN, SLIP, ContactHistory
+from fretfe.history.solution import OPEN, SLIP
 from fretfe.materials.crystals import PAIRS
 from fretfe.materials.moduli import compliance
 from fretfe.mesh.elements import quadrature, shape_slopes, shape_values
+from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.surface import Surface
 
 # Elements next to the edge, and next to the border of the stick zone, that fits leave out:
@@ -62,13 +63,13 @@ class SurfaceStrain:
     nodes: Indices
 
     @classmethod
-    def of(cls, surface: Surface, degree: int, contact: ContactHistory) -> SurfaceStrain:
+    def of(cls, surface: Surface, degree: int, contact: ContactSurface) -> SurfaceStrain:
         """The points of a surface in the plane.
 
         Args:
             surface: of the body.
             degree: of its displacements.
-            contact: whose arc is meant.
+            contact: with the arc that is meant.
         """
         at = quadrature(surface.shape, degree)[0]
         stretch = np.einsum(
@@ -98,17 +99,17 @@ class SurfaceStrain:
         return found
 
 
-def _on_arc(contact: ContactHistory, places: Array) -> tuple[Array, Array]:
+def _on_arc(contact: ContactSurface, places: Array) -> tuple[Array, Array]:
     """Arc length (m,) of the contact at places (m, d) next to it, beyond its ends too.
 
     And the tangents (m, d) there.
     """
     from scipy.spatial import cKDTree
 
-    nearest = cKDTree(contact.surface.points).query(places)[1]
-    tangents = contact.surface.frames[nearest, 1, : places.shape[1]]
-    ahead = np.sum((places - contact.surface.points[nearest]) * tangents, axis=1)
-    return contact.surface.arc[nearest] + ahead, tangents
+    nearest = cKDTree(contact.points).query(places)[1]
+    tangents = contact.frames[nearest, 1, : places.shape[1]]
+    ahead = np.sum((places - contact.points[nearest]) * tangents, axis=1)
+    return contact.arc[nearest] + ahead, tangents
 
 
 @dataclass(frozen=True)
@@ -191,7 +192,7 @@ class EdgeValue:
 
 
 def edge_stress(
-    arc: Array, smooth: Array, position: float, inward: int, contact: ContactHistory, status: Array
+    arc: Array, smooth: Array, position: float, inward: int, nodes: Array, status: Array
 ) -> EdgeValue:
     """Stress along the surface at an edge of a contact, in one state.
 
@@ -204,13 +205,13 @@ def edge_stress(
         smooth: (g,) sigma_t + p.
         position: of the edge along the arc.
         inward: direction into the contact, 1 or -1.
-        contact: that the edge belongs to.
+        nodes: (N,) places of those of the contact along the arc.
         status: (N,) of its nodes in the step to the state.
     """
     if not np.isfinite(position):
         return EdgeValue(np.nan, np.nan, "the place of the edge is not known")
     order = slice(None, None, inward)
-    ahead, state = (inward * (contact.surface.arc - position))[order], status[order]
+    ahead, state = (inward * (nodes - position))[order], status[order]
     inside = np.flatnonzero((ahead > 0) & (state != OPEN))
     if not len(inside) or state[inside[0]] != SLIP:
         return EdgeValue(np.nan, np.nan, "nothing slips next to the edge")
@@ -234,9 +235,7 @@ def edge_stress(
     return EdgeValue(value, by_terms + max(by_border))
 
 
-def near_edge(
-    arc: Array, smooth: Array, position: float, inward: int, contact: ContactHistory
-) -> float:
+def near_edge(arc: Array, smooth: Array, position: float, inward: int, nodes: Array) -> float:
     """Mean of sigma_t + p over an element to both sides of an edge; NaN without an edge.
 
     What slips next to an edge since another state changes sigma_t most at the edge itself, also
@@ -247,14 +246,12 @@ def near_edge(
         smooth: (g,) sigma_t + p.
         position: of the edge along the arc.
         inward: direction into the contact, 1 or -1.
-        contact: that the edge belongs to.
+        nodes: (N,) places of those of the contact along the arc.
     """
     if not np.isfinite(position):
         return np.nan
-    node = int(
-        np.clip(np.searchsorted(contact.surface.arc, position), 1, len(contact.surface.arc) - 1)
-    )
-    size = contact.surface.arc[node] - contact.surface.arc[node - 1]
+    node = int(np.clip(np.searchsorted(nodes, position), 1, len(nodes) - 1))
+    size = nodes[node] - nodes[node - 1]
     beside = position + inward * size * np.array([-1.0, -0.5, 0.5, 1.0])
     return float(np.interp(beside, arc, smooth).mean())
 

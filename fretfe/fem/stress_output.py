@@ -238,7 +238,7 @@ class _Writer:
             # Pressure alone does not make sigma_t = -p: there is another singular part.
             return EdgeValue(np.nan, np.nan, IS_CRYSTAL), np.nan
         arc, inward = site.strains[body].arc, station.inward
-        edge = arc, smooth[body], float(station.position[state]), inward, patch
+        edge = arc, smooth[body], float(station.position[state]), inward, patch.surface.arc
         return edge_stress(*edge, np.asarray(patch.status[state])), near_edge(*edge)
 
     def _error(self, error: OSError) -> OutputError:
@@ -268,7 +268,7 @@ def _site(
     ]
     points, normals = (np.array(each) for each in zip(*seen, strict=True))
     degree = model.case.model.degree
-    strains = [SurfaceStrain.of(surface, degree, pair) for surface in surfaces]
+    strains = [SurfaceStrain.of(surface, degree, pair.surface) for surface in surfaces]
     laws = [SurfaceLaw.of(model.case.bodies[name], model.case.model.plane) for name in bodies]
     initial = [_initial_strains(model, *each) for each in zip(bodies, strains, strict=True)]
     arc, frames = pair.surface.arc, pair.surface.frames

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import h5py
@@ -19,7 +18,6 @@ from fretfe.case import parse_case
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.stress import EdgeStress
 from fretfe.evaluate.surface_stress import EdgeValue, edge_stress, near_edge
-from fretfe.history.solution import ContactHistory
 from fretfe.results.hdf5_file import STRESSES, StressSite, StressWriter, read_stress
 from fretfe.runner import Runner
 
@@ -136,9 +134,7 @@ def test_edge_value_of_the_exact_stress(inward: int, elements: int, error: float
         return np.asarray((slip - stick)[:, 0])
 
     status = np.where(np.abs(arc) < c, 1, np.where(np.abs(arc) < a, 2, 0))
-    contact = ContactHistory.__new__(ContactHistory)
-    object.__setattr__(contact, "surface", SimpleNamespace(arc=arc))
-    found = edge_stress(places, stress(places), -inward * a, inward, contact, status)
+    found = edge_stress(places, stress(places), -inward * a, inward, arc, status)
     expected = stress(np.array([-inward * a]))[0]
     assert expected > 0
     assert found.value == pytest.approx(expected, rel=error)
@@ -159,8 +155,6 @@ def test_the_largest_edge_value_is_one_that_no_unknown_state_exceeds(
     size = (a - c) / 8
     arc = np.arange(-1.2, 1.2, size)
     places = (arc[:, None] + size * np.array([0.2113, 0.7887])).ravel()
-    contact = ContactHistory.__new__(ContactHistory)
-    object.__setattr__(contact, "surface", SimpleNamespace(arc=arc))
 
     def partial(x: Array, border: float) -> Array:
         shear = 0.4 * inward * (1 if trailing else -1)
@@ -172,7 +166,7 @@ def test_the_largest_edge_value_is_one_that_no_unknown_state_exceeds(
         border = np.sqrt(1 - taken_off * (1 - c**2) / 2) if taken_off else c
         stress = partial(places, c) - 2 * partial(places, border) * (taken_off > 0)
         status = np.where(np.abs(arc) < border, 1, np.where(np.abs(arc) < a, 2, 0))
-        edge = places, stress, -inward * a, inward, contact
+        edge = places, stress, -inward * a, inward, arc
         values.append(edge_stress(*edge, status))
         near.append(near_edge(*edge))
     assert [not each.reason for each in values] == [True] + 4 * [False]
@@ -193,13 +187,11 @@ def test_the_largest_edge_value_is_one_that_no_unknown_state_exceeds(
 
 
 def test_edge_values_that_are_unknown_have_reasons() -> None:
-    contact = ContactHistory.__new__(ContactHistory)
     arc = np.linspace(-1, 1, 21)
-    object.__setattr__(contact, "surface", SimpleNamespace(arc=arc))
     inside = np.abs(arc) < 0.75
 
     def reason(status: Array, position: float = -0.8) -> str:
-        return edge_stress(arc, arc, position, 1, contact, status).reason
+        return edge_stress(arc, arc, position, 1, arc, status).reason
 
     assert reason(np.where(inside, 1, 0)) == "nothing slips next to the edge"
     assert reason(np.where(inside, 2, 0)) == "the whole contact slips"

@@ -12,7 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.growth import FindGrowth, Growth, evened
-from fretfe.evaluate.numerics import average
+from fretfe.evaluate.numerics import average, rising_zero
 from fretfe.evaluate.plane.section import PlaneFront, main_patch
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_steps
 from fretfe.history.solution import OPEN, ContactHistory
@@ -147,17 +147,10 @@ def _zeros(s: Array, w: Array, errors: Array, highest: int) -> Array:
 def _zero(s: Array, w: Array, errors: Array, order: int) -> tuple[float, float]:
     """Return the zero of a polynomial through w (m,) at s (m,) and its standard error, or NaN."""
     scale = float(np.ptp(s))
-    powers = np.arange(order + 1)
-    matrix = (s[:, None] / scale) ** powers / errors[:, None]
+    matrix = (s[:, None] / scale) ** np.arange(order + 1) / errors[:, None]
     inverse = np.linalg.pinv(matrix)
-    coefficients = inverse @ (w / errors)
-    zero, slope = 0.0, -1.0
-    for _ in range(10):  # Newton, from next to the border
-        slope = float(coefficients[1:] @ (powers[1:] * zero ** powers[:-1]))
-        if not slope < 0.0 or abs(zero) > 2.0:
-            return np.nan, np.nan
-        zero -= float(coefficients @ zero**powers) / slope
-    return zero * scale, float(np.linalg.norm(zero**powers @ inverse)) * scale / -slope
+    zero, error = rising_zero(-(inverse @ (w / errors)), inverse, 2.0)
+    return zero * scale, error * scale
 
 
 def slip_border_of(

@@ -15,7 +15,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.growth import FindGrowth, evened
-from fretfe.evaluate.numerics import average
+from fretfe.evaluate.numerics import average, rising_zero
 from fretfe.evaluate.plane.slip import INTERVAL, NODAL_ERROR
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_steps
 from fretfe.evaluate.space.sectors import Sector
@@ -147,8 +147,7 @@ def _zero(
         return None
     # The mean of x^(3/2) around a node is larger than its value there.
     w = np.abs(slip) ** (2 / 3) / (1 + VARIANCE / (4 * outward**2))
-    powers = np.arange(order + 1)
-    matrix = np.column_stack([outward[:, None] ** powers, *across])
+    matrix = np.column_stack([outward[:, None] ** np.arange(order + 1), *across])
     line = np.linalg.lstsq(matrix[:, [0, 1]], w)[0][1]
     if not line > 0:
         return None
@@ -156,16 +155,12 @@ def _zero(
     sigma = NODAL_ERROR * line / np.sqrt(np.maximum(sector.fade[window], 1e-3))
     inverse = np.linalg.pinv(matrix / sigma[:, None])
     coefficients = inverse @ (w / sigma)
-    c, zero = coefficients[: order + 1], 0.0
-    for _ in range(10):
-        slope = float(c[1:] @ (powers[1:] * zero ** powers[:-1]))
-        if not slope > 0 or abs(zero) > FARTHEST:
-            return None
-        zero -= float(c @ zero**powers) / slope
-    error = np.linalg.norm(zero**powers @ inverse[: order + 1]) / slope
+    zero, error = rising_zero(coefficients[: order + 1], inverse[: order + 1], FARTHEST)
+    if not np.isfinite(zero):
+        return None
     rest = (matrix @ coefficients - w) / sigma
     misfit = float(rest @ rest) / (len(w) - matrix.shape[1])
-    return zero, float(error), misfit
+    return zero, error, misfit
 
 
 class SlipBetween:
