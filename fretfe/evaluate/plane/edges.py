@@ -132,11 +132,13 @@ class PlaneEdges(EdgeData):
         return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
 
     def completed(self, number: int, station: Station) -> Station:
-        """The station with the friction work on its side of the contact."""
+        """The station with the friction work on its side of the contact, and its coupling."""
         arc, centre = self.contact.surface.arc, last_known(self.centre, self.cycle)
         here = nearest_front(arc, centre) == number
         work, spread = (float(each[here].sum()) for each in self.works)
-        return replace(station, dissipation=work, dissipation_spread=spread)
+        # All of beta, whichever way the bodies slide.
+        coupling = abs(self.steps.dundurs) * float(self.frictions[number].max())
+        return replace(station, dissipation=work, dissipation_spread=spread, coupling=coupling)
 
 
 def _no_growth(start: int, end: int) -> None:

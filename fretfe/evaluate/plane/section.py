@@ -147,10 +147,6 @@ class PlaneFront:
         """Return (n,) distances inward of places along the arc, in the order of ``from_front``."""
         return self.from_front(self.inward * (x - position))
 
-    def place(self, position: float, s: float) -> float:
-        """Return the place along the arc at a distance inward from the front's position."""
-        return position + self.inward * s
-
     def axis(self, angle: float, size: int) -> Array:
         """Return the direction (size,) of shear along the arc and, if there are two, along z.
 
