@@ -24,17 +24,17 @@ from fretfe.evaluate.contacts import (
     quantities,
 )
 from fretfe.exchange import export
-from fretfe.results import tables
+from fretfe.results import quantities as declared
 from fretfe.results.writer import CONTACT_KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
 OWNERS = {each.__name__: each for each in (Contact, LocalProblem, Station)}
 COLUMNS = {
-    "contacts.csv": (tables.CONTACT, *export.STATE, *tables.CONTACTS),
-    "factors.csv": (*tables.STATION, *export.STATE, *tables.FACTORS),
-    "edges.csv": tables.EDGES,
-    "cycles.csv": (*tables.STATION, *tables.CYCLES),
-    "stations.csv": tables.STATIONS,
+    "contacts.csv": (declared.CONTACT, *export.STATE, *declared.CONTACTS),
+    "factors.csv": (*declared.STATION, *export.STATE, *declared.FACTORS),
+    "edges.csv": declared.EDGES,
+    "cycles.csv": (*declared.STATION, *declared.CYCLES),
+    "stations.csv": declared.STATIONS,
     "tractions.csv": export.PLANE_TRACTIONS,
     "local.csv": export.PLANE_LOCAL,
     "stress.csv": export.STRESS,
@@ -54,7 +54,7 @@ def with_keys(page: str) -> str:
 
 
 def with_columns(page: str) -> str:
-    """The page with the columns of all tables."""
+    """The page with the columns of all declared."""
     return _COLUMNS.sub(
         lambda match: (
             match[1] + ", ".join(f"`{each.name}`" for each in COLUMNS[match[2]]) + match[3]
@@ -76,13 +76,13 @@ def _table(text: str, owner: type) -> str:
         if all(name in known for name in names):
             kept.append(_row(keys, _unit(owner, names) or told, meaning))
             listed |= set(names)
-    declared = quantities(owner)
+    known_numbers = quantities(owner)
     kept += [
-        _row(f"`{name}`", _unit(owner, [name]), declared[name].meaning)
+        _row(f"`{name}`", _unit(owner, [name]), known_numbers[name].meaning)
         for name in known
-        if name not in listed and name in declared
+        if name not in listed and name in known_numbers
     ]
-    if missing := [name for name in known if name not in listed and name not in declared]:
+    if missing := [name for name in known if name not in listed and name not in known_numbers]:
         raise ValueError(f"{owner.__name__}: expected a row or a declaration of {missing}")
     return "\n".join([head, border, *kept]) + "\n"
 
@@ -96,7 +96,7 @@ def _unit(owner: type, names: list[str]) -> str:
     known = quantities(owner)
     if not all(name in known for name in names):
         return ""
-    units = dict.fromkeys(tables.unit(known[name].kind, WORDS, solid=True) for name in names)
+    units = dict.fromkeys(declared.unit(known[name].kind, WORDS, solid=True) for name in names)
     history = ["T"] if set(names) & set(HISTORIES.get(owner, [])) else []
     return ", ".join([*history, *(each or "–" for each in units)]) if any(units) else ""
 

@@ -282,7 +282,7 @@ def _shown(found: StrengthMap) -> list[Margin]:
 def _strength_table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
     from rich.markup import escape
 
-    from fretfe.results.tables import unit
+    from fretfe.results.quantities import unit
 
     k_n, k_t = (unit(kind, found.tests.units, solid=False) for kind in ("k_n", "k_t"))
     title = escape(f"Strength at {found.life:g} cycles, K_N in {k_n}, ΔK_T in {k_t}")

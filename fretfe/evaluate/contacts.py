@@ -38,7 +38,7 @@ class Quantity:
     """Unit and meaning of a field, from which all tables take them.
 
     Attributes:
-        kind: of quantity, a key of `fretfe.results.tables.UNITS`; empty for pure numbers.
+        kind: of quantity, a key of `fretfe.results.quantities.UNITS`; empty for pure numbers.
         meaning: in words.
         symbol: in tables and figures; empty if it has none.
     """

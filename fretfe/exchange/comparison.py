@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -13,9 +13,9 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case.overrides import by_key
 from fretfe.errors import CaseError
-from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station, quantities
+from fretfe.evaluate.contacts import Contact, Front, Station, quantities
 from fretfe.evaluate.partners import contact_partners
-from fretfe.evaluate.refinement import Measure, at_places, numbers
+from fretfe.evaluate.refinement import at_places, numbers
 from fretfe.exchange.overlays import (
     ContactPair,
     HistoryPair,
@@ -24,13 +24,15 @@ from fretfe.exchange.overlays import (
     traction_pairs,
 )
 from fretfe.results.model import Result
-from fretfe.results.tables import unit
+from fretfe.results.quantities import K_N, K_RANGE, WORK, ZONES, unit
 from fretfe.verdict import Verdict
 
-# Slip zones are those of the last two half cycles, in the order of time.
-K_N = "K_N"
-K_T = "ΔK_T"
-ZONES = ("d_1", "d_2")
+# Of edges; slip zones are those of the last two half cycles, in the order of time.
+EDGE_NUMBERS = (K_N, replace(K_RANGE, symbol="ΔK_T"), *ZONES, WORK)
+# Of fronts of solids.
+FRONT_NUMBERS = tuple(
+    replace(each, symbol=f"mean {each.symbol}") for each in (K_N, K_RANGE, *ZONES)
+)
 # Of contacts of solids in the last state.
 SOLID_NUMBERS = {
     "P": "normal_force",
@@ -146,35 +148,19 @@ def _contact(contact: Contact) -> list[Number]:
 
 
 def _edge(edge: Station) -> list[Number]:
-    zones: list[SlipZone | None] = [None, None, *edge.slip_zones][-2:]
-    return [
-        Number(K_N, "k_n", edge.reported_k_n, edge.last_k_n[1]),
-        Number(K_T, "k_t", edge.reported_range, edge.k_range_spread),
-        *(
-            Number(name, "length", zone.reported_length, zone.spread)
-            if zone
-            else Number(name, "length", math.nan)
-            for name, zone in zip(ZONES, zones, strict=True)
-        ),
-        Number("friction work", "work", edge.reported_dissipation, edge.dissipation_spread),
-    ]
+    return [Number(each.symbol, each.kind, *each.read(edge)) for each in EDGE_NUMBERS]
 
 
 def _front(front: Front, partner: Front) -> tuple[list[Number], list[Number]]:
     """Means along two fronts of solids, over the stations at whose places both have a number."""
     points = np.array([each.point for each in front.judged]).reshape(-1, 3)
-    means = []
-    for _, _, measure in FRONT_NUMBERS:
-        (others,) = at_places(partner, points, [measure])
-        means.append(_means(numbers(front.judged, measure), others))
-    first, second = (
-        [
-            Number(f"mean {name}", kind, mean[which])
-            for (name, kind, _), mean in zip(FRONT_NUMBERS, means, strict=True)
-        ]
-        for which in (0, 1)
-    )
-    return first, second
+    both: tuple[list[Number], list[Number]] = ([], [])
+    for each in FRONT_NUMBERS:
+        (others,) = at_places(partner, points, [each.value])
+        means = _means(numbers(front.judged, each.value), others)
+        for found, mean in zip(both, means, strict=True):
+            found.append(Number(each.symbol, each.kind, mean))
+    return both
 
 
 def _means(values: Array, others: Array) -> tuple[float, float]:
@@ -184,20 +170,6 @@ def _means(values: Array, others: Array) -> tuple[float, float]:
         return float(values[both].mean()), float(others[both].mean())
     alone = mine.any() and mine.mean() >= KNOWN
     return float(values[mine].mean()) if alone else math.nan, math.nan
-
-
-def _told(station: Station, half: int) -> float:
-    """Length of one of the last two slip zones of a station of solids; NaN where it is not told."""
-    zones = station.slip_zones
-    return math.nan if len(zones) < 2 or zones[half].gross else zones[half].told[0]
-
-
-FRONT_NUMBERS: tuple[tuple[str, str, Measure], ...] = (
-    (K_N, "k_n", lambda each: each.reported_k_n),
-    ("ΔK", "k_t", lambda each: each.reported_range),
-    (ZONES[0], "length", lambda each: _told(each, -2)),
-    (ZONES[1], "length", lambda each: _told(each, -1)),
-)
 
 
 def zone_notes(first: Result, second: Result, pairs: Sequence[ContactPair]) -> Iterator[str]:

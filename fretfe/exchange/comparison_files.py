@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from fretfe.exchange.comparison import K_N, K_T, ZONES, Comparison, QuantityPair
+from fretfe.exchange.comparison import EDGE_NUMBERS, FRONT_NUMBERS, Comparison, QuantityPair
 from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
 from fretfe.files import json_value, replace_text, writing
 from fretfe.report.theme import (
@@ -99,9 +99,9 @@ def plot_differences(comparison: Comparison) -> Figure:
 
 
 def _columns(comparison: Comparison) -> list[tuple[str, ...]]:
-    if comparison.results[0].solid:
-        return [(f"mean {K_N}",), ("mean ΔK",), tuple(f"mean {zone}" for zone in ZONES)]
-    return [(K_N,), (K_T,), ZONES]
+    compared = FRONT_NUMBERS if comparison.results[0].solid else EDGE_NUMBERS
+    k_n, k_range, *zones = (each.symbol for each in compared[:4])
+    return [(k_n,), (k_range,), tuple(zones)]
 
 
 def _draw_differences(

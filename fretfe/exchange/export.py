@@ -20,10 +20,11 @@ from fretfe.evaluate.contacts import AreaPatch, Contact
 from fretfe.evaluate.stress import StressParameters
 from fretfe.files import replacing, writing
 from fretfe.history.solution import ContactHistory
-from fretfe.results import tables
+from fretfe.results import quantities
 from fretfe.results.field_files import in_space
 from fretfe.results.model import Result
-from fretfe.results.tables import CONTACT, EDGE, Column, unit
+from fretfe.results.quantities import CONTACT, EDGE, Column, unit
+from fretfe.results.tables import cycle_records, station_records
 from fretfe.results.writer import prepare_other
 
 Row = Sequence[Any]
@@ -144,16 +145,16 @@ def export_tables(
     if stations:
         yield _factors(result)
     if edges := result.edges():
-        yield _of_records(result, "edges.csv", tables.EDGES, edges)
-    if points := tables.station_records(result.contacts):
-        yield _of_records(result, "stations.csv", tables.STATIONS, points)
+        yield _of_records(result, "edges.csv", quantities.EDGES, edges)
+    if points := station_records(result.contacts):
+        yield _of_records(result, "stations.csv", quantities.STATIONS, points)
     # Regular loads have one cycle, which edges and stations tell.
     if any(station.cycles.irregular for station in stations):
         yield _of_records(
             result,
             "cycles.csv",
-            (*tables.STATION, *tables.CYCLES),
-            tables.cycle_records(result.contacts, result.loads.times),
+            (*quantities.STATION, *quantities.CYCLES),
+            cycle_records(result.contacts, result.loads.times),
         )
     yield _tractions(result)
     if result.solution.keeps(*result.loads.evaluated):
@@ -208,7 +209,7 @@ def _carriers(contact: Contact) -> Iterator[Contact | AreaPatch]:
 
 def _contacts(result: Result) -> ExportTable:
     """Histories of contacts and patches of solids, those that they have; vectors by component."""
-    named = [each for each in tables.CONTACTS if getattr(result.contacts[0], each.name).size]
+    named = [each for each in quantities.CONTACTS if getattr(result.contacts[0], each.name).size]
     rows = (
         (each.name, *state)
         for contact in result.contacts
@@ -232,7 +233,7 @@ def _contacts(result: Result) -> ExportTable:
 
 
 def _factors(result: Result) -> ExportTable:
-    names = [each.name for each in tables.FACTORS]
+    names = [each.name for each in quantities.FACTORS]
     rows = (
         (contact.name, station.front, station.number, *state)
         for contact in result.contacts
@@ -240,7 +241,7 @@ def _factors(result: Result) -> ExportTable:
         for state in _states(result, [getattr(station, name) for name in names])
     )
     return ExportTable(
-        "factors.csv", _headings(result, (*tables.STATION, *STATE, *tables.FACTORS)), rows
+        "factors.csv", _headings(result, (*quantities.STATION, *STATE, *quantities.FACTORS)), rows
     )
 
 

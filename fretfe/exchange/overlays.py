@@ -20,7 +20,7 @@ from fretfe.evaluate.resultants import SMALLEST_SHEAR, load_extremes, shear_dire
 from fretfe.history.solution import ContactHistory
 from fretfe.report.pictures.unroll import unroll
 from fretfe.results.model import Result
-from fretfe.results.tables import unit
+from fretfe.results.quantities import unit
 
 # Times that differ by less than this fraction of the clock are the same.
 SAME_TIME = 1e-9

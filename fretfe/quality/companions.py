@@ -13,13 +13,14 @@ from fretfe._typing import Array
 from fretfe.case import Case, parse_case
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.partners import contact_partners, front_partners
-from fretfe.evaluate.refinement import Measure, at_places, numbers
+from fretfe.evaluate.refinement import at_places, numbers
 from fretfe.evaluate.verdicts import BORDER_ELEMENTS, BORDER_FRACTION
 from fretfe.loads import History
 from fretfe.mesh.templates import find_template
 from fretfe.quality.global_run import NEARER, second_cut
 from fretfe.quality.rows import CONSTANT_NORMAL, Pairs, Place, Row, subjects
 from fretfe.results.model import Result
+from fretfe.results.quantities import K_N, K_RANGE, Reported
 from fretfe.verdict import Verdict
 
 MEAN = "about another mean"
@@ -220,12 +221,10 @@ def _edge_rows(name: str, contact: Contact, station: Station, other: Station) ->
         yield at.compared(f"d {name}", length, reference, tolerance, *STEADY[name])
         return
     if name == CUT:
-        for quantity, measure, bar in MESH_QUANTITIES:
-            (value, reference), (own, twin) = (
-                map(each, (station, other)) for each in (measure, bar)
-            )
-            allowed, reason = _allowed(name, quantity, value, own, twin)
-            yield at.compared(f"{quantity} {name}", value, reference, float(allowed), reason)
+        for each in MESH_QUANTITIES:
+            (value, own), (reference, twin) = map(each.read, (station, other))
+            allowed, reason = _allowed(name, each.symbol, value, own, twin)
+            yield at.compared(f"{each.symbol} {name}", value, reference, float(allowed), reason)
         return
     # Extrapolated error of each number, first order.
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
@@ -268,12 +267,13 @@ def _front_rows(name: str, contact: Contact, front: Front, twin: Front | None) -
         return
     for subject, chosen in subjects(contact, front):
         points = np.array([station.point for station in chosen])
-        for quantity, measure, bar in MESH_QUANTITIES:
-            values, bars = numbers(chosen, measure), numbers(chosen, bar)
-            references, other = at_places(twin, points, [measure, bar])
-            allowed, reason = _allowed(name, quantity, values, bars, other)
+        for each in MESH_QUANTITIES:
+            measures = [each.value, each.spread]
+            values, bars = (numbers(chosen, measure) for measure in measures)
+            references, other = at_places(twin, points, measures)
+            allowed, reason = _allowed(name, each.symbol, values, bars, other)
             pairs = Pairs(values, references, allowed)
-            yield subject.over_stations(f"{quantity} {name}", pairs, reason)
+            yield subject.over_stations(f"{each.symbol} {name}", pairs, reason)
 
 
 def _allowed(
@@ -309,8 +309,4 @@ def _told_d(station: Station) -> tuple[float, float]:
 
 
 # Numbers of a station and their error bars.
-MESH_QUANTITIES: tuple[tuple[str, Measure, Measure], ...] = (
-    ("K_N", lambda each: each.reported_k_n, lambda each: each.last_k_n[1]),
-    ("ΔK", lambda each: each.reported_range, lambda each: each.k_range_spread),
-    ("d", lambda each: _told_d(each)[0], lambda each: _told_d(each)[1]),
-)
+MESH_QUANTITIES = (K_N, K_RANGE, Reported("d", "length", _told_d))

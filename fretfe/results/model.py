@@ -32,13 +32,12 @@ from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
+from fretfe.results.quantities import axis_label, unit
 from fretfe.results.tables import (
-    axis_label,
     edge_records,
     make_dataset,
     require,
     solid_records,
-    unit,
 )
 
 if TYPE_CHECKING:
@@ -115,7 +114,7 @@ class Result:
         return any(contact.solid for contact in self.contacts)
 
     def unit(self, kind: str) -> str:
-        """Unit of a kind of quantity, a key of `fretfe.results.tables.UNITS`."""
+        """Unit of a kind of quantity, a key of `fretfe.results.quantities.UNITS`."""
         return unit(kind, self.case.units, solid=self.solid)
 
     def axis_label(self, name: str) -> str:

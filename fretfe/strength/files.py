@@ -25,7 +25,7 @@ from fretfe.report.theme import (
     log_axis,
     save_figure,
 )
-from fretfe.results.tables import axis_label
+from fretfe.results.quantities import axis_label
 from fretfe.results.writer import prepare_other
 from fretfe.strength.fit import COVERAGE, LifeFit
 from fretfe.strength.margins import Margin, StrengthMap

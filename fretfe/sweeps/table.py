@@ -39,9 +39,9 @@ from fretfe.report.theme import (
     WIDTH,
     save_figure,
 )
+from fretfe.results.quantities import axis_label, unit
 from fretfe.results.reader import restored
 from fretfe.results.run_folder import KEY, are_unchanged, with_digest
-from fretfe.results.tables import axis_label, unit
 from fretfe.results.writer import FIGURE, TABLE, VARIANTS
 from fretfe.sweeps.engine import Solved, Sweep, Variant
 

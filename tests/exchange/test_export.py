@@ -23,7 +23,7 @@ from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.evaluate.contacts import AreaPatch, Contact, Station, quantities
 from fretfe.exchange import export
 from fretfe.exchange.export import headings
-from fretfe.results import tables as contents
+from fretfe.results import quantities as contents
 from fretfe.results.model import Result
 from fretfe.results.writer import write_results
 

@@ -50,6 +50,7 @@ LAYERS = (
     "fretfe.contact.*",
     "fretfe.evaluate.*",
     "fretfe.results.hdf5_file",
+    "fretfe.results.quantities",
     "fretfe.results.tables",
     "fretfe.results.model",
     "fretfe.results.field_files",

@@ -69,7 +69,6 @@ TOO_LONG = {
     "fretfe.report.figures.edges",
     "fretfe.report.figures.tractions",
     "fretfe.report.page.tables",
-    "fretfe.results.tables",
     "fretfe.surface.mortar",
     "fretfe.surface.surface",
 }

@@ -57,6 +57,7 @@ from fretfe.report.theme import (
     say_if_unknown,
 )
 from fretfe.results.model import Result
+from fretfe.results.quantities import K_N, K_RANGE, Reported
 
 # Decades below the half-width that are shown at most.
 DECADES = 4
@@ -400,9 +401,7 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
     def draw(figure: Figure) -> None:
         count = 1 + has_ranges + has_zones
         panels = list(np.atleast_1d(figure.subplots(count, 1, sharex=True)))
-        k_n = np.array([station.reported_k_n for station in front.stations])
-        spread = np.array([station.last_k_n[1] for station in front.stations])
-        _bars(panels[0], front.along("arc"), k_n, spread, "K_N", BLUE)
+        _bars(panels[0], front, K_N, "K_N", BLUE)
         panels[0].set_ylabel(run.axis_label("k_n"))
         panels[0].set_ylim(bottom=0.0)
         if has_ranges:
@@ -447,8 +446,7 @@ def _half_spaces(found: HalfSpaceRatios) -> str:
 
 def _ranges(axes: Axes, front: Front) -> None:
     arc = front.along("arc")
-    told = np.array([station.reported_range for station in front.stations])
-    _bars(axes, arc, told, front.along("k_range_spread"), "|ΔK|", VERMILLION)
+    _bars(axes, front, K_RANGE, "|ΔK|", VERMILLION)
     axes.plot(arc, front.along("k_t_range"), "--", color=GREEN, lw=1.1, label="ΔK_T")
     axes.plot(arc, front.along("k_s_range"), ":", color=ORANGE, lw=1.3, label="ΔK_S")
     axes.set_ylim(bottom=0.0)
@@ -598,8 +596,17 @@ def _fit_heights(top: Axes, bottom: Axes) -> None:
         plain_axis(axes, "y")
 
 
-def _bars(axes: Axes, arc: Array, values: Array, spread: Array, label: str, colour: str) -> None:
+def _bars(axes: Axes, front: Front, quantity: Reported, label: str, colour: str) -> None:
+    values, spread = np.array([quantity.read(station) for station in front.stations]).T
     shown = np.where(np.isfinite(spread), spread, 0.0)
     axes.errorbar(
-        arc, values, shown, fmt="o-", ms=2.5, lw=1.0, elinewidth=0.7, color=colour, label=label
+        front.along("arc"),
+        values,
+        shown,
+        fmt="o-",
+        ms=2.5,
+        lw=1.0,
+        elinewidth=0.7,
+        color=colour,
+        label=label,
     )

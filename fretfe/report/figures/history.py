@@ -44,7 +44,7 @@ from fretfe.report.theme import (
     say_if_unknown,
 )
 from fretfe.results.model import Result
-from fretfe.results.tables import axis_label
+from fretfe.results.quantities import axis_label
 
 FACTORS_INTRO = (
     "K_T belongs to the shear and is positive if the shear on body 2 points inward; K_I belongs to "

@@ -32,6 +32,7 @@ from fretfe.report.texts import (
     with_prefix,
 )
 from fretfe.results.model import Result
+from fretfe.results.quantities import K_N, K_RANGE
 from fretfe.verdict import Verdict
 
 HEADERS = (
@@ -346,8 +347,7 @@ def _at(station: Station) -> tuple[str, ...]:
     """The same cells of one station, with error bars."""
     zones = station.slip_zones[-ZONES:]
     return (
-        with_error(station.reported_k_n, station.last_k_n[1]),
-        with_error(station.reported_range, station.k_range_spread),
+        *(with_error(*each.read(station)) for each in (K_N, K_RANGE)),
         _lines(_or_bound(zone, with_error(*zone.told)) for zone in zones),
         _lines(number(station.told_prediction(zone), 3) for zone in zones),
     )
@@ -409,8 +409,8 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
         contact=contact.name,
         side=edge.front,
         position=number(float(edge.position[edge.last])),
-        k_n=with_error(edge.reported_k_n, edge.last_k_n[1]),
-        k_t_range=with_error(edge.reported_range, edge.k_range_spread),
+        k_n=with_error(*K_N.read(edge)),
+        k_t_range=with_error(*K_RANGE.read(edge)),
         uncertain=edge.uncertain and math.isfinite(edge.reported_k_n),
         zones=tuple(_zone_answer(run, edge, zone) for zone in edge.slip_zones[-ZONES:]),
     )
