@@ -17,7 +17,9 @@ from pathlib import Path
 from fretfe.case import Units
 from fretfe.evaluate.contacts import (
     Contact,
+    CountedCycles,
     LocalProblem,
+    SlipZone,
     Station,
     StationHistory,
     histories,
@@ -28,7 +30,7 @@ from fretfe.results import quantities as declared
 from fretfe.results.writer import CONTACT_KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
-OWNERS = {each.__name__: each for each in (Contact, LocalProblem, Station)}
+OWNERS = {each.__name__: each for each in (Contact, CountedCycles, LocalProblem, SlipZone, Station)}
 COLUMNS = {
     "contacts.csv": (declared.CONTACT, *export.STATE, *declared.CONTACTS),
     "factors.csv": (*declared.STATION, *export.STATE, *declared.FACTORS),

@@ -205,13 +205,15 @@ class CountedCycles:
         reason: why nothing was counted; empty if it was.
     """
 
-    start: Indices
-    end: Indices
-    count: Array
-    k_t_range: Array
-    k_t_mean: Array
-    effective_range: Array
-    slip: Array
+    start: Annotated[Indices, Quantity("", "state of the first reversal")]
+    end: Annotated[Indices, Quantity("", "state of the second reversal")]
+    count: Annotated[Array, Quantity("", "1, or 0.5 for a range that nothing closes")]
+    k_t_range: Annotated[Array, Quantity("k_t", "difference of the two, positive")]
+    k_t_mean: Annotated[Array, Quantity("k_t", "mean of the two")]
+    effective_range: Annotated[
+        Array, Quantity("k_t", "the same with K_T - f K_I and K_T + f K_I: what is counted")
+    ]
+    slip: Annotated[Array, Quantity("length", "slip length by that range")]
     closed: bool
     reason: str
 

@@ -11,6 +11,7 @@ import math
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,7 @@ import numpy as np
 from fretfe.case import Units
 from fretfe.evaluate.contacts import (
     Contact,
+    CountedCycles,
     LocalProblem,
     SlipZone,
     Station,
@@ -77,8 +79,8 @@ class Column:
         name: without its unit.
         kind: of quantity, a key of `UNITS`.
         meaning: in words.
-        value: in the row of a station, from its contact and it; of contacts, from the contact and
-            None; of cycles of a station, from it and the times; None in tables of other things.
+        value: in the row of a station, from its contact and it; of a contact, from it and None; of
+            the counted cycles of a station, from the times and it; None in tables of other things.
         field: of a station that it shows; empty if it is something else.
     """
 
@@ -132,14 +134,11 @@ def _number(name: str, meaning: str = "", read: str = "") -> Column:
     return Column(name, field.kind, meaning or field.meaning, value, attribute)
 
 
-def _local(name: str) -> Column:
-    """A number of the plane problem next to a station."""
-    declared = quantities(LocalProblem)[name]
-    return Column(
-        f"local_{name}",
-        declared.kind,
-        declared.meaning,
-        lambda _, station: getattr(station.local, name),
+def _part(attribute: str, owner: type, name: str, prefix: str = "") -> Column:
+    """A field of a part of a station, which is of the class `owner`."""
+    read = attrgetter(f"{attribute}.{name}")
+    return replace(
+        _fields(owner, [name])[0], name=prefix + name, value=lambda _, station: read(station)
     )
 
 
@@ -298,7 +297,10 @@ CHOSEN = (
     *(each.of_longest() for each in STATION_LENGTHS),
     *(each.of_half_cycle(number) for number in (1, 2) for each in STATION_LENGTHS),
     _number("stick_border"),
-    *map(_local, ("slip", "work", "change", "reason")),
+    *(
+        _part("local", LocalProblem, name, "local_")
+        for name in ("slip", "work", "change", "reason")
+    ),
     Column(
         "verdict", "", "comparison with what is predicted", lambda _, s: longest_verdict(s).verdict
     ),
@@ -328,38 +330,25 @@ SOLIDS = (
     ),
     WARNINGS,
 )
+_of_cycles = partial(_part, "cycles", CountedCycles)
 CYCLES = (
-    Column("start", "", "state of the first reversal", lambda s, _: s.cycles.start),
-    Column("end", "", "state of the second reversal", lambda s, _: s.cycles.end),
-    Column("start_time", "time", "its time", lambda s, times: times[s.cycles.start]),
-    Column("end_time", "time", "its time", lambda s, times: times[s.cycles.end]),
-    Column("count", "", "1, or 0.5 for a range that nothing closes", lambda s, _: s.cycles.count),
+    *map(_of_cycles, ("start", "end")),
+    Column("start_time", "time", "its time", lambda times, s: times[s.cycles.start]),
+    Column("end_time", "time", "its time", lambda times, s: times[s.cycles.end]),
+    _of_cycles("count"),
     Column(
         "k_t_start",
         "k_t",
         "K_T at the first reversal; with K_S along k_angle",
-        lambda s, _: s.k_along[s.cycles.start],
+        lambda _, s: s.k_along[s.cycles.start],
     ),
-    Column(
-        "k_t_end",
-        "k_t",
-        "K_T at the second reversal; with K_S along k_angle",
-        lambda s, _: s.k_along[s.cycles.end],
-    ),
-    Column("k_t_range", "k_t", "difference of the two, positive", lambda s, _: s.cycles.k_t_range),
-    Column("k_t_mean", "k_t", "mean of the two", lambda s, _: s.cycles.k_t_mean),
-    Column(
-        "effective_range",
-        "k_t",
-        "the same with K_T - f K_I and K_T + f K_I: what is counted",
-        lambda s, _: s.cycles.effective_range,
-    ),
-    Column("slip", "length", "slip length by that range", lambda s, _: s.cycles.slip),
+    Column("k_t_end", "k_t", "that at the second one", lambda _, s: s.k_along[s.cycles.end]),
+    *map(_of_cycles, ("k_t_range", "k_t_mean", "effective_range", "slip")),
     Column(
         "worst",
         "",
         "whether it is the worst cycle of its edge",
-        lambda s, _: np.arange(len(s.cycles.count)) == s.cycles.worst,
+        lambda _, s: np.arange(len(s.cycles.count)) == s.cycles.worst,
     ),
 )
 

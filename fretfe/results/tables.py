@@ -84,7 +84,7 @@ def cycle_records(contacts: Sequence[Contact], times: Array) -> Iterator[dict[st
     """Texts and numbers of every counted cycle, by name; numbers that do not exist are NaN."""
     for contact, station in _stations(contacts):
         key = _records([(contact, station)], STATION)[0]
-        counted = _records([(station, times)], CYCLES)[0] if len(station.cycles.count) else {}
+        counted = _records([(times, station)], CYCLES)[0] if len(station.cycles.count) else {}
         for row in zip(*(each.tolist() for each in counted.values()), strict=True):
             yield key | dict(zip(counted, row, strict=True))
 
