@@ -14,6 +14,7 @@ from typing import Any
 
 from rich import box
 from rich.markup import escape
+from rich.measure import Measurement
 from rich.table import Table
 
 from fretfe.backends import Backend, RunOptions
@@ -45,6 +46,10 @@ POWERS = {False: 2, True: 4}
 GROWING = 3
 # Verdicts with which a validation fails.
 FAILURES = (Verdict.DIFFERS, Verdict.UNKNOWN)
+# Columns that a word of a name takes on a terminal.
+WHOLE_WORDS = 8
+# More than any terminal has.
+WIDEST = 1000
 # Rows that a run has without companions.
 OWN_ROWS = {
     "this run": own_rows,
@@ -183,7 +188,7 @@ def print_validation(console: Console, validation: Validation) -> None:
     table.padding = (0, 1, 0, 0)
     # Long names take several lines where the terminal is narrow.
     for header in ("where", "quantity"):
-        table.add_column(header, overflow="fold")
+        table.add_column(header, overflow="fold", min_width=WHOLE_WORDS)
     for header in ("value", "reference", "difference", "tolerance", "why"):
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
@@ -193,7 +198,12 @@ def print_validation(console: Console, validation: Validation) -> None:
         why = str(reasons.index(row.reason) + 1)
         style = "bold red" if row.verdict in FAILURES else ""
         table.add_row(*names, *map(_number, numbers), why, row.verdict, style=style)
+    width = console.width
+    # Narrower terminals wrap whole lines: a cut verdict says nothing.
+    wide = console.options.update(max_width=WIDEST)
+    console.width = max(width, Measurement.get(console, wide, table).minimum)
     console.print(table)
+    console.width = width
     for number, reason in enumerate(reasons, start=1):
         console.print(f"{number:3d}. {reason}", highlight=False, markup=False)
     console.print(summary(validation), highlight=False)

@@ -247,6 +247,10 @@ def test_validations_fit(sphere: Result) -> None:
     found = Validation(sphere, (row,))
     text = printed(lambda console: print_validation(console, found))
     assert text.count("-1.23e+05") == 2 and "depends" in text
+    narrow: Any = Console(width=60, file=io.StringIO())
+    print_validation(narrow, found)
+    text = narrow.file.getvalue()
+    assert not cut(text) and Verdict.DEPENDS in text and narrow.width == 60
 
 
 @pytest.mark.parametrize(
