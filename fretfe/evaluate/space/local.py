@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -198,12 +198,14 @@ class _Path:
         source: (T,) the state that each state is the same as.
         contact: the contact.
         cycle: first and last state of the evaluated cycle, or None.
+        step_of: the step of the case in which a state lies.
     """
 
     kept: Indices
     source: Indices
     contact: ContactHistory
     cycle: tuple[int, int] | None
+    step_of: Callable[[int], int]
 
     @classmethod
     def of(cls, solution: Solution, contact: ContactHistory) -> _Path:
@@ -213,7 +215,7 @@ class _Path:
         left_out[cycles_before(solution)] = True
         left_out[first:] = False
         kept = np.flatnonzero(~left_out[: last + 1])
-        return cls(kept, solution.source, contact, solution.cycle)
+        return cls(kept, solution.source, contact, solution.cycle, solution.step_of)
 
     @cached_property
     def first(self) -> int:
@@ -478,7 +480,8 @@ def _pose(
     kept, shape = path.kept, _Shape.of(front, station, twist)
     small = kept[path.begin :][~np.isfinite(station.k_n[kept[path.begin :]])]
     if path.cycle and len(small):
-        return f"the contact is too small in state {small[0]} for factors that are good enough"
+        step = path.step_of(int(small[0]))
+        return f"the contact is too small in step {step} for factors that are good enough"
     k_t, k_i = _loading(station, dundurs, shape.half_width)
     k = np.column_stack([k_t, station.k_s])[kept]
     k_i = k_i[kept] - k_i[station.last]
