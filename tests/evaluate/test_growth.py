@@ -130,3 +130,18 @@ def test_border_after_an_irregular_path(points: tuple[float, ...], steps: int) -
         # sum of the slip were up to 6 % off.
         assert zone.length == pytest.approx(exact, abs=0.005)
         assert abs(zone.length - exact) < zone.spread < 0.1 * exact
+
+
+@pytest.mark.parametrize("size", [1e-13, 1e-11, 1e-9, 1e-7, 1e-5])
+def test_loads_that_return_but_for_a_little_have_the_same_zones(size: float) -> None:
+    """P and Q in phase, Q beyond f P: loops close, or miss it by parts of the drive."""
+    wave = np.sin(np.linspace(0.0, 4 * np.pi, 17))
+    noise = size * LIMIT * np.random.default_rng(1).standard_normal(len(wave))
+
+    def zones(shear: Array) -> list[tuple[float, float]]:
+        contact = solved(problem(LOAD * (1 + 0.13 * wave), shear, cycle=8), elements=60)
+        return [(z.length, z.spread) for each in contact.stations for z in each.slip_zones[-2:]]
+
+    pairs = zip(zones(0.3 * LIMIT * wave), zones(0.3 * LIMIT * wave + noise), strict=True)
+    for (exact, spread), (found, _) in pairs:
+        assert abs(found - exact) < 0.01 * spread + 10 * size
