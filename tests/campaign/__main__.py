@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """`PYTHONPATH=tests python -m campaign [moving] [solids] [unlike] [irregular] [elements] [COUNT]`.
 
+Irregular histories are drawn from the seed of the week, or from FRETFE_CAMPAIGN_SEED.
+
 Right or wrong? "irregular" judges half-planes, "irregular elements" finite elements.
 
 Progress and each number that is wrong without a warning go to the standard error, the tables for
@@ -11,9 +13,12 @@ from __future__ import annotations
 
 import os
 import sys
+from collections.abc import Callable
 from concurrent.futures import ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 
+from campaign.extent import SEED
 from campaign.irregular import judge_irregular, judge_irregular_elements
 from campaign.irregular_tables import coverage
 from campaign.judge import QUANTITIES, Judged, judge_case, judge_moving
@@ -24,14 +29,14 @@ from campaign.unlike import UNLIKE_QUANTITIES, judge_unlike
 # How many are judged if nothing is said, and by what, by the words.
 COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40, "unlike": 60}
 COUNTS |= {"irregular": 400, "irregular elements": 400}
-JUDGES = {
+JUDGES: dict[str, Callable[[int], list[Judged]]] = {
     "": judge_case,
     "moving": judge_moving,
     "solids": judge_solid,
     "moving solids": judge_moving_solid,
     "unlike": judge_unlike,
-    "irregular": judge_irregular,
-    "irregular elements": judge_irregular_elements,
+    "irregular": partial(judge_irregular, seed=SEED),
+    "irregular elements": partial(judge_irregular_elements, seed=SEED),
 }
 
 

@@ -49,13 +49,13 @@ class Found:
     times: Array
 
 
-def judge_irregular(number: int, seed: int = 12000) -> list[Judged]:
+def judge_irregular(number: int, seed: int) -> list[Judged]:
     """All numbers of a history by half-planes."""
     one = draw_irregular(number, seed)
     return list(_judge(one, by_half_planes(one), 0.0))
 
 
-def judge_irregular_elements(number: int, seed: int = 12000) -> list[Judged]:
+def judge_irregular_elements(number: int, seed: int) -> list[Judged]:
     """All numbers of a history by finite elements."""
     one = draw_irregular(number, seed)
     try:
@@ -86,7 +86,11 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
     pulled = bool(np.any(loads[:, 2]))
     finer = by_half_planes(one, FINER) if pulled else None
     a = one.form.half_width(loads[:, 0])
+    places = [float(station.position[station.last]) for station in found.stations]
     for number, station in enumerate(found.stations):
+        # Bodies that lean move both edges alike.
+        half, bar = (places[1] - places[0]) / 2, float(station.position_spread[station.last])
+        yield Judged(one, station.front, "edge", half, bar, a[-1], finite * FINITE_BODY * a[-1], "")
         k_n = float(edge_factor_k_n(one.form, a[-1]))
         value, bar = station.reported_k_n, station.last_k_n[1]
         yield Judged(one, station.front, "K_N", value, bar, k_n, finite * FINITE_BODY * k_n, "")

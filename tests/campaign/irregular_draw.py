@@ -79,7 +79,7 @@ class IrregularDraw:
         return float(self.form.load(1.0))
 
 
-def draw_irregular(number: int, seed: int = 12000) -> IrregularDraw:
+def draw_irregular(number: int, seed: int) -> IrregularDraw:
     """The history of a number."""
     random = np.random.default_rng([seed, number])
     varying, count = VARYING[number % len(VARYING)], int(random.integers(3, 9))

@@ -10,6 +10,7 @@ from campaign.extent import SEED
 from campaign.irregular_draw import VARYING, IrregularDraw
 from campaign.judge import QUANTITIES, Judged
 
+IRREGULAR_QUANTITIES = (*QUANTITIES, "edge")
 # Elements over the half-width, or over the rounded part in contact, that meshes are told apart by.
 COARSE, FINE = 10, 25
 
@@ -58,7 +59,7 @@ def coverage(judged: list[Judged]) -> str:
     """A row for each class and number, in Markdown."""
     rows = ["| class | number | given | bars hold | median bar/error |", "|---|---|---|---|---|"]
     for name in CLASSES:
-        for quantity in QUANTITIES:
+        for quantity in IRREGULAR_QUANTITIES:
             drawn = of_class(judged, quantity, name)
             numbers = given(judged, quantity, name)
             if numbers:
@@ -73,7 +74,7 @@ def require_held(judge: Callable[[int, int], list[Judged]], count: int) -> None:
     """Judge so many histories of the week: bars of 95 % of each number hold."""
     judged = [each for one in range(count) for each in judge(one, SEED)]
     print(f"FRETFE_CAMPAIGN_SEED={SEED}\n{coverage(judged)}")
-    for quantity in QUANTITIES:
+    for quantity in IRREGULAR_QUANTITIES:
         numbers = given(judged, quantity)
         missed = [each for each in numbers if each.error > each.bar]
         # 95 % of all: of so few one case may fail, with both its edges and some half cycles.
