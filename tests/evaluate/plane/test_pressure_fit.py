@@ -188,8 +188,8 @@ def test_noise_in_proportion_to_the_pressure() -> None:
 @pytest.mark.parametrize(
     ("elements", "tolerance"),
     # Elements at the edge over the rounded part, that grow inward: 8, 13, 18, 24 in all. Measured,
-    # both sides: 6.2, 1.2, 1, .1 %.
-    [(12, 0.08), (25, 0.04), (50, 0.01), (100, 6e-3)],
+    # both sides: 9.3, 1.2, .4, .3 %; in the median 2, 1, .3, .05 %.
+    [(12, 0.1), (25, 0.03), (50, 6e-3), (100, 5e-3)],
 )
 def test_coarse_meshes_are_within_the_bars(
     elements: int, tolerance: float, flat: float, phase: float
