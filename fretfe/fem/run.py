@@ -57,6 +57,7 @@ from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.idealise.bodies import coupled_beta
 from fretfe.loads import AddedCycles, History, most_added
+from fretfe.mesh.mesh import Mesh, growth_inward
 from fretfe.results.model import Result
 
 
@@ -482,8 +483,18 @@ def _place(prepared: Prepared, pair: Pair) -> Place:
         coupling.surface,
         continued=continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair),
         dundurs=coupled_beta(model.case, *names),
+        growth=_growth(prepared.mesh, pair),
     )
     return Place(*names, surface, coupling.averaging)
+
+
+def _growth(mesh: Mesh, pair: Pair) -> float:
+    """Growth of the elements of the bodies inward from a plane contact, the larger of both."""
+    surface = pair.coupling.surface
+    if surface.facets is not None:
+        return 0.0
+    bodies = (mesh.bodies[name] for name in (pair.body1, pair.body2))
+    return max(growth_inward(body, surface.points, surface.weights) for body in bodies)
 
 
 def _require_contact(recorder: Recorder, dimension: int) -> None:

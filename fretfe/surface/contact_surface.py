@@ -33,6 +33,8 @@ class ContactSurface:
             them, NaN elsewhere. None in the plane if they end at both ends.
         dundurs: Dundurs' beta, body 1 above, of solids in plane strain; zero of similar bodies, and
             where it has no part in the evaluation: without friction, and of crystals.
+        growth: of the elements of plane bodies with the distance from the surface; zero of
+            half-planes, and of solutions that were read, whose evaluation is read too.
     """
 
     arc: Array
@@ -43,6 +45,7 @@ class ContactSurface:
     free: Bools | None = None
     continued: Array | None = None
     dundurs: float = 0.0
+    growth: float = 0.0
 
     def nodes_at(self, edge: Array) -> Indices:
         """(T,) node nearest to an edge in each state.

@@ -49,10 +49,15 @@ def evaluate_plane(
         told: reference length of factors between unlike bodies; None for the predicted slip zones.
     """
     edges = plane_edges(solution, contact, find_units)
-    stations = [with_lack(solution, contact, each) for each in edges.stations(told)]
+    resultants = plane_resultants(contact, edges.centre)
+    k_i = resultants["normal_force"] / (np.pi * np.sqrt(2 * edges.half_width))
+    stations = [
+        with_lack(solution, contact, with_stiff_elements(each, contact, solution.degree, k_i))
+        for each in edges.stations(told)
+    ]
     work, spread = (float(each.sum()) for each in edges.works)
     return {
-        **plane_resultants(contact, edges.centre),
+        **resultants,
         "fronts": tuple(Front(each.front, (each,)) for each in stations),
         "half_width": edges.half_width,
         **_by_half_planes(contact, edges, stations),
@@ -69,13 +74,10 @@ def plane_edges(solution: Solution, contact: ContactHistory, find_units: FindUni
         contact: one of its contacts.
         find_units: gives the singular factors for a unit of each driver.
     """
-    steps, arc = ContactSteps.of(solution, contact), contact.surface.arc
+    steps = ContactSteps.of(solution, contact)
     fits = edge_fits(contact, solution.source)
     positions = np.array([fit.position for fit in fits])
     factors = steps.histories(find_units(solution, contact, positions), alone=False)
-    if solution.degree == 1 and not factors.exact:
-        pairs = zip(fits, PLANE_FRONTS, strict=True)
-        fits = tuple(with_stiff_elements(fit, front, arc) for fit, front in pairs)
     frictions = [contact.edge_friction(each) for each in positions]
     cycle, beta = cycle_states(solution.cycle), contact.surface.dundurs
     a = last_known((positions[1] - positions[0]) / 2, cycle)
