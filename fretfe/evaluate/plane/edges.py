@@ -37,8 +37,6 @@ from fretfe.history.solution import ContactHistory
 # order 1, or g^4 with those of order 2. Half of it in cylinders, most of it in flats with rounded
 # ends, for growths of the templates of .2 to .45, in the mean of which g is 1.15 times as much.
 TOO_STIFF = {1: 0.35, 2: 0.02}
-# Edges that move less than this fraction of the surface between two loads do not tell anything.
-SMALLEST_MOVE = 1e-6
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
 # equal chance: nineteen of twenty are nearer than this.
 WITHIN_ELEMENT = 0.475
