@@ -25,10 +25,10 @@ if TYPE_CHECKING:
 # Endings of tables of a field, which have no other check that is quick.
 TABLES = (".csv", ".txt")
 
-AtPoints = LoadAtPoints | EigenstrainLoad
+PointLoad = LoadAtPoints | EigenstrainLoad
 
 
-def values_at_points(case: Case, name: str, load: AtPoints, dimension: int) -> PointValues:
+def values_at_points(case: Case, name: str, load: PointLoad, dimension: int) -> PointValues:
     """Values that a load has at points, or in columns of its file.
 
     Args:
@@ -66,7 +66,7 @@ def checked_history(case: Case) -> History:
         try:
             if isinstance(load, OtherRun):
                 _require_field(case.resolve(load.file), load.quantity, load.arrays or ())
-            elif isinstance(load, AtPoints) and load.file is not None:
+            elif isinstance(load, PointLoad) and load.file is not None:
                 # Whether the bodies of a mesh file are solid is not known yet.
                 dimension = 2 if case.geometry.solid is None else 3
                 names = (*AXES[:dimension], *load.columns[dimension])
