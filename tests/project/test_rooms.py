@@ -13,7 +13,6 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-
 from project.test_layers import MODULES, ROOT, code_lines
 
 TESTS = Path(__file__).parents[1]
