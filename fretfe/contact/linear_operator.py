@@ -873,9 +873,12 @@ def _least_motion(matrix: Array, target: Array, count: int) -> tuple[Array, floa
         count: number of released components; coordinates follow.
     """
     # Rows and columns are of different units: they are brought to one size first.
+    # A coordinate that nothing resists has none.
     rows = np.linalg.norm(matrix, axis=1)[:, None]
+    rows[rows == 0] = 1.0
     matrix, target = matrix / rows, target / rows
     columns = np.linalg.norm(matrix, axis=0)[:, None]
+    columns[columns == 0] = 1.0
     matrix = matrix / columns.T
     solve = _floating_solver(matrix, count)
     # The second time for what the first one leaves, a small difference of large tractions.

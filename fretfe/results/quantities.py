@@ -342,7 +342,7 @@ CYCLES = (
         "K_T at the first reversal; with K_S along k_angle",
         lambda _, s: s.k_along[s.cycles.start],
     ),
-    Column("k_t_end", "k_t", "that at the second one", lambda _, s: s.k_along[s.cycles.end]),
+    Column("k_t_end", "k_t", "K_T at the second reversal", lambda _, s: s.k_along[s.cycles.end]),
     *map(_of_cycles, ("k_t_range", "k_t_mean", "effective_range", "slip")),
     Column(
         "worst",
