@@ -24,7 +24,7 @@ States = Indices
 SMALLEST_SLIP = 3e-4
 # Where no node slips there is no slip zone if the formulas predict less than this fraction of the
 # distance within which no node would see it.
-HIDDEN = 0.1
+HIDDEN = 1e-3
 # Error bar of border and front over the length of the zone, beyond which it is not resolved.
 LARGEST_SPREAD = 0.5
 # The history ends with a complete half cycle if K_T is this close to its extreme, as a fraction of

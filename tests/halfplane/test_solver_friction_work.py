@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases.halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solved
+from cases.halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, loop, problem, solved, started
 
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import hertz_dissipation
@@ -86,3 +86,12 @@ def test_work_that_may_be_all_error_is_not_told() -> None:
     assert summary.reported_dissipation == summary.dissipation
     vague = replace(summary, dissipation_spread=1.01 * summary.dissipation)
     assert np.isnan(vague.reported_dissipation)
+
+
+def test_work_of_nodes_that_do_not_slip_is_unknown() -> None:
+    """Elements an eighth of the half-width long see nothing of a slip zone a hundredth of it."""
+    shear = started(0.02 * LIMIT * np.sin(loop(8, 2)))
+    summary = solved(problem(LOAD, shear, cycle=8), elements=32)
+    assert summary.dissipation == 0.0
+    assert np.isnan(summary.reported_dissipation)
+    assert all(np.isnan(each.reported_dissipation) for each in summary.stations)

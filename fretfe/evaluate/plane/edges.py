@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
@@ -134,6 +135,8 @@ class PlaneEdges(EdgeData):
         arc, centre = self.contact.surface.arc, last_known(self.centre, self.cycle)
         here = nearest_front(arc, centre) == number
         work, spread = (float(each[here].sum()) for each in self.works)
+        if any(zone.hides for zone in station.slip_zones):
+            spread = math.inf  # that of nodes that do not slip is no measure of it
         # All of beta, whichever way the bodies slide.
         coupling = abs(self.steps.dundurs) * float(self.frictions[number].max())
         return replace(station, dissipation=work, dissipation_spread=spread, coupling=coupling)

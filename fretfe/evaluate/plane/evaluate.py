@@ -6,6 +6,7 @@ A patch that exists in some of the states only has a history in each interval of
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from typing import Any
 
@@ -56,13 +57,14 @@ def evaluate_plane(
         for each in edges.stations(told)
     ]
     work, spread = (float(each.sum()) for each in edges.works)
+    unseen = any(math.isinf(each.dissipation_spread) for each in stations)
     return {
         **resultants,
         "fronts": tuple(Front(each.front, (each,)) for each in stations),
         "half_width": edges.half_width,
         **_by_half_planes(contact, edges, stations),
         "dissipation": work,
-        "dissipation_spread": spread,
+        "dissipation_spread": math.inf if unseen else spread,
     }
 
 

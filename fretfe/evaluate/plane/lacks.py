@@ -21,7 +21,8 @@ from fretfe.history.solution import ContactHistory, Solution
 def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> Station:
     """The station with the reason why a factor of it is not known, and without a range then.
 
-    A range without a bar is not told either, if the edge is not known in some state.
+    A range without a bar is not known either, if the edge is not known in some state, nor is
+    friction work if no node slips.
 
     Args:
         solution: the solved history.
@@ -38,6 +39,9 @@ def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> 
     unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
     if not unknown and (ranged or solution.cycle is None):
         return station
+    if station.dissipation == 0 and contact.friction.acts.any():
+        # Of so few nodes that none slips: that is no measure of it.
+        station = replace(station, dissipation_spread=math.inf)
     return replace(station, lack=_reason(contact, station, states))
 
 

@@ -115,7 +115,9 @@ def test_without_a_prediction_no_slip_is_not_known() -> None:
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
-@pytest.mark.parametrize(("elements", "resolved"), [(0.02, True), (0.5, False), (3.0, False)])
+@pytest.mark.parametrize(
+    ("elements", "resolved"), [(0.0005, True), (0.05, False), (0.5, False), (3.0, False)]
+)
 def test_a_zone_between_the_nodes_is_not_resolved(
     side: Side, elements: float, resolved: bool
 ) -> None:
