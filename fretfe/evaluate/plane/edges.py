@@ -151,6 +151,8 @@ def with_stiff_elements(
 ) -> Station:
     """A station with the bars of K_N and of the edge that hold what stiffer bodies do.
 
+    The range has no bar where K_N is not known to half of it.
+
     The pressure is that of P less a part of it, times 1 and that part. The edge moves with P as
     dK_I = K_N/2 da.
 
@@ -162,11 +164,14 @@ def with_stiff_elements(
     """
     too_stiff = TOO_STIFF[degree] * contact.surface.growth ** (2 * degree)
     moved = 2 * too_stiff * k_i / station.k_n
-    return replace(
+    found = replace(
         station,
         k_n_spread=np.hypot(station.k_n_spread, too_stiff * station.k_n),
         position_spread=np.hypot(station.position_spread, moved),
     )
+    # Where elements show no root of the pressure, the contact area of the increments is as vague.
+    vague = math.isfinite(found.last_k_n[0]) and math.isnan(found.reported_k_n)
+    return replace(found, k_range_spread=math.inf) if vague else found
 
 
 def moved_edge(
