@@ -6,18 +6,14 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import Frame, SlipZone, Station
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.factors import (
-    SMALLEST_MOVE,
-    FactorHistories,
-    along_line,
-    cycle_range,
-)
+from fretfe.evaluate.factors import SMALLEST_MOVE, FactorHistories, along_line, cycle_range
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
@@ -101,8 +97,12 @@ class PlaneEdges(EdgeData):
 
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
-        parts = unresolved(self.factors, self.fits, self.contact.surface.arc, self.cycle)
-        return parts[number]
+        return self._unresolved[number]
+
+    @cached_property
+    def _unresolved(self) -> list[list[float]]:
+        """Those of both edges along their own directions: one counts by the range of the other."""
+        return unresolved(self.factors, self.fits, self.contact.surface.arc, self.cycle)
 
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
         """Slip zones by the slip of the nodes, as of `EdgeData.border`."""
@@ -151,10 +151,8 @@ def with_stiff_elements(
 ) -> Station:
     """A station with the bars of K_N and of the edge that hold what stiffer bodies do.
 
-    The range has no bar where K_N is not known to half of it.
-
     The pressure is that of P less a part of it, times 1 and that part. The edge moves with P as
-    dK_I = K_N/2 da.
+    dK_I = K_N/2 da. The range has no bar where K_N is then not known to half of it.
 
     Args:
         station: whose bars are those of the fits.
@@ -171,7 +169,10 @@ def with_stiff_elements(
     )
     # Where elements show no root of the pressure, the contact area of the increments is as vague.
     vague = math.isfinite(found.last_k_n[0]) and math.isnan(found.reported_k_n)
-    return replace(found, k_range_spread=math.inf) if vague else found
+    if not vague:
+        return found
+    parts = replace(found.k_range_parts, discretisation=math.inf)
+    return replace(found, k_range_parts=parts, k_range_spread=parts.total)
 
 
 def moved_edge(

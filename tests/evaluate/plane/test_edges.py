@@ -7,14 +7,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from cases.halfplane_problems import LIMIT, LOAD, loop, problem, solved, started
 
 from fretfe._typing import Array
+from fretfe.analytic.profiles import FlatRounded
 from fretfe.evaluate.contacts import RangeSpread
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import FactorHistories
 from fretfe.evaluate.load_path import LoadPath, load_path
 from fretfe.evaluate.plane.edges import unresolved
 from fretfe.evaluate.stations import range_spread
+from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import Factor
 
 T = 9
@@ -104,3 +107,15 @@ def test_steps_miss_what_lies_between_them() -> None:
 
 def test_the_whole_bar() -> None:
     assert RangeSpread(3.0, 4.0, 12.0).total == pytest.approx(13.0)
+
+
+def test_a_range_has_no_bar_where_k_n_is_not_known() -> None:
+    """A punch with three elements on its rounding; no part that is widened later brings it back."""
+    punch = FlatRounded(radius=50.0, flat_half_width=0.7, e_star=100.0)
+    shear = started(0.5 * LIMIT * np.sin(loop(8, 2)))
+    contact = solved(problem(LOAD, shear, profile=punch, cycle=8), elements=18)
+    for station in contact.stations:
+        assert np.isfinite(station.last_k_n[0]) and np.isnan(station.reported_k_n)
+        assert np.isfinite(station.k_range) and np.isnan(station.reported_range)
+        assert station.k_range_parts.total == station.k_range_spread == np.inf
+        assert "the range of K_T and K_S has no error bar (discretisation)" in withheld(station)
