@@ -10,8 +10,9 @@ thickness.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
+from functools import cache
 from typing import Annotated, Any, get_origin, get_type_hints
 
 import numpy as np
@@ -48,7 +49,8 @@ class Quantity:
     symbol: str = ""
 
 
-def quantities(owner: type) -> dict[str, Quantity]:
+@cache
+def quantities(owner: type) -> Mapping[str, Quantity]:
     """The fields and properties of `Station` or `Contact` with unit and meaning, by name."""
     hints = get_type_hints(owner, include_extras=True)
     read = {name: each.fget for name, each in vars(owner).items() if isinstance(each, property)}

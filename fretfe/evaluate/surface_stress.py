@@ -104,9 +104,7 @@ def _on_arc(contact: ContactSurface, places: Array) -> tuple[Array, Array]:
 
     And the tangents (m, d) there.
     """
-    from scipy.spatial import cKDTree
-
-    nearest = cKDTree(contact.points).query(places)[1]
+    nearest = contact.tree.query(places)[1]
     tangents = contact.frames[nearest, 1, : places.shape[1]]
     ahead = np.sum((places - contact.points[nearest]) * tangents, axis=1)
     return contact.arc[nearest] + ahead, tangents

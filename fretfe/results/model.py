@@ -33,12 +33,7 @@ from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
 from fretfe.results.quantities import axis_label, unit
-from fretfe.results.tables import (
-    edge_records,
-    make_dataset,
-    require,
-    solid_records,
-)
+from fretfe.results.tables import edge_records, make_dataset, require, solid_records
 
 if TYPE_CHECKING:
     import pandas as pd

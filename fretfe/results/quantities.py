@@ -153,6 +153,12 @@ def _last(name: str) -> Column:
     return replace(_fields(Contact, [name])[0], value=value)
 
 
+def _of_half_cycle(station: Station, number: int) -> SlipZone | None:
+    """The first or second of the last two slip zones of a station, if it has it."""
+    zones: list[SlipZone | None] = [None, None, *station.slip_zones]
+    return zones[number - 3]
+
+
 @dataclass(frozen=True)
 class ZoneLength:
     """A length of the slip zones of a station, with a column for each half cycle.
@@ -175,8 +181,7 @@ class ZoneLength:
         """Of the first or second of the last two zones; NaN without it."""
 
         def value(_: Contact, station: Station) -> float:
-            zones: list[SlipZone | None] = [None, None, *station.slip_zones]
-            zone = zones[number - 3]
+            zone = _of_half_cycle(station, number)
             return float(self.read(station, zone)) if zone else math.nan
 
         which = "last but one" if number == 1 else "last"
@@ -380,8 +385,7 @@ def _last_zone(number: int) -> Reported:
     """Length of the first or second of the last two slip zones; NaN without, or if all slips."""
 
     def read(station: Station) -> tuple[float, float]:
-        zones: list[SlipZone | None] = [None, None, *station.slip_zones]
-        zone = zones[number - 3]
+        zone = _of_half_cycle(station, number)
         return zone.told if zone and not zone.gross else (math.nan, math.nan)
 
     return Reported(f"d_{number}", "length", read)

@@ -32,13 +32,7 @@ from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.resultants import load_extremes, station_extremes
 from fretfe.evaluate.slip import cycle_states
 from fretfe.faults import FAULTS, guarded
-from fretfe.files import (
-    make_folder,
-    replace_text,
-    replacing,
-    require_writable,
-    writing,
-)
+from fretfe.files import make_folder, replace_text, replacing, require_writable, writing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
 from fretfe.mesh.mesh import BodyMesh

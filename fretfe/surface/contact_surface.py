@@ -61,12 +61,13 @@ class ContactSurface:
         if self.facets is None:
             found = np.searchsorted((self.arc[1:] + self.arc[:-1]) / 2, edge[known])
         else:
-            found = self._tree.query(edge[known])[1]
+            found = self.tree.query(edge[known])[1]
         following = np.searchsorted(known, np.arange(len(edge)))
         return np.asarray(found[np.minimum(following, len(known) - 1)])
 
     @cached_property
-    def _tree(self) -> cKDTree:
+    def tree(self) -> cKDTree:
+        """Of the nodes, for those next to a place."""
         # Imported where it is needed: reports of plane contacts do without SciPy.
         from scipy.spatial import cKDTree
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Benchmark B1: cases of fretting cycles on a mesh as `meshes_b1` writes it."""
+"""Benchmark B1: cases of fretting cycles on a mesh as `b1_meshes` writes it."""
 
 from __future__ import annotations
 

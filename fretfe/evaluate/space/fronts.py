@@ -133,7 +133,7 @@ class FrontFinder:
         self._weights, self._continued = contact.surface.weights, contact.surface.continued
         self._normals = Normals(contact.surface.points, contact.surface.frames)
         self._sectors = Sectors(contact.surface.points, contact.surface.facets)
-        self._tree = cKDTree(contact.surface.points)
+        self._tree = contact.surface.tree
         self._count = count
 
     def fronts(self, contact: Bools, pressure: Array) -> tuple[SpaceFront, ...]:
