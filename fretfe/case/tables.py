@@ -60,6 +60,21 @@ class Solid(Table):
         "(tan(skew), 0, 1). -60 < skew < 60.",
     )
     layers: Count = Field(description="Number of layers of elements along the length; >= 1.")
+    end_size: Positive | None = Field(
+        default=None,
+        description="Thickness of the layers at free ends; further inside they grow to the length "
+        "over layers. Without it all layers are equal.",
+    )
+
+    @model_validator(mode="after")
+    def _thinner_at_ends(self) -> Self:
+        equal = self.length / self.layers
+        if self.end_size is not None and self.end_size > equal:
+            raise ValueError(
+                "expected an end_size of at most the thickness of equal layers "
+                f"({self.length:g}/{self.layers} = {equal:g}), found {self.end_size:g}"
+            )
+        return self
 
 
 class Part(Table):
@@ -225,6 +240,13 @@ class Support(Table):
             found = "both" if self.fix else "neither"
             raise ValueError(f"expected exactly one of 'fix' and 'direction', found {found}")
         return self
+
+    @property
+    def holds_along_z(self) -> bool:
+        """True if the boundary cannot move along z."""
+        if self.direction is None:
+            return "z" in self.fix
+        return len(self.direction) == 3 and not any(self.direction[:2])
 
 
 # Far more sectors than a disc has: with more of them neighbours hardly turn against each other.

@@ -175,8 +175,12 @@ def resized(case: Case, factor: float) -> Case | None:
     """The same case with larger elements by a factor; None where it does not give their sizes."""
     data = case.as_tables()
     if case.geometry.solid is not None:
-        layers = max(1, round(case.geometry.solid.layers / factor))
+        solid = case.geometry.solid
+        layers = max(1, round(solid.layers / factor))
         data["geometry"]["solid"]["layers"] = layers
+        if solid.end_size is not None:
+            thickest = solid.length / layers
+            data["geometry"]["solid"]["end_size"] = min(factor * solid.end_size, thickest)
     if case.geometry.size is not None:
         data["geometry"]["size"] = factor * case.geometry.size
     elif case.geometry.template is not None:

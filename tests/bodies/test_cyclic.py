@@ -14,7 +14,7 @@ from cases import blocks, sectors
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.case import Solid, Symmetry
 from fretfe.errors import CaseError
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 LINE: dict[str, Any] = {"centre": (0, 0, 0), "axis": (0, 0, 1)}

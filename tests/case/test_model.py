@@ -330,6 +330,11 @@ SOLIDS = {
         "geometry.solid.layers: expected a number >= 1, found 0",
     ),
     "missing": ({"length": 1}, "geometry.solid.layers: expected a value"),
+    "end_size": (
+        {"length": 1, "layers": 4, "end_size": 0.3},
+        "geometry.solid: expected an end_size of at most the thickness of equal layers "
+        "(1/4 = 0.25), found 0.3",
+    ),
     "key": (
         {"length": 1, "layers": 1, "skw": 5},
         "geometry.solid.skw: unknown key; did you mean 'skew'?",

@@ -16,7 +16,7 @@ from faults.fault import CHECK, FEM, HALFPLANE, Fault
 
 from fretfe._typing import Array
 from fretfe.case import Solid
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 

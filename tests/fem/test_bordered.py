@@ -25,7 +25,7 @@ from fretfe.fem import bordered
 from fretfe.fem._compat import DGEMMT, MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor
 from fretfe.fem.elasticity import ElasticBody, Material
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 
 pytestmark = pytest.mark.mpi

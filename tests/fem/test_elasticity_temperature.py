@@ -35,7 +35,7 @@ from fretfe.fem.fields import StressPoints
 from fretfe.fem.interaction_integral import InteractionForm, Tip, Tube
 from fretfe.fem.timing import Clock
 from fretfe.materials.material import Material
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.results.model import Result
 from fretfe.runner import Runner

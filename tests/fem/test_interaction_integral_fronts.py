@@ -24,7 +24,7 @@ from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, probe_stations
 from fretfe.materials.crystals import isotropic
 from fretfe.materials.material import Material
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 SIZE, HALF, DEPTH = 0.1, 1.6, 0.6

@@ -14,7 +14,7 @@ from fretfe._typing import Array, Bools
 from fretfe.case import Case, Solid, parse_case
 from fretfe.errors import MeshError
 from fretfe.mesh.body_overlap import ClosedSurface, body_overlaps
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.checks import check_contacts
 

@@ -13,7 +13,7 @@ from fretfe.environment import machine_memory
 from fretfe.errors import ModelError
 from fretfe.mesh import cost
 from fretfe.mesh.cost import estimate_cost, refuse_too_large
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 
 GB = 2**30

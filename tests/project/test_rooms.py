@@ -64,7 +64,6 @@ TOO_LONG = {
     "fretfe.loads.history",
     "fretfe.mesh.elements",
     "fretfe.mesh.inp",
-    "fretfe.mesh.load",
     "fretfe.quality.rows",
     "fretfe.report.figures.edges",
     "fretfe.report.figures.tractions",

@@ -10,7 +10,7 @@ from cases import blocks
 from fretfe._typing import Array
 from fretfe.case import Case, Solid, parse_case
 from fretfe.errors import MeshError
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import check_contacts
 

@@ -14,7 +14,7 @@ from fretfe._typing import Array, Bools
 from fretfe.case import Solid
 from fretfe.caution import Kind
 from fretfe.evaluate.evaluate import evaluate
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.surface import build_surface, rim_edges, rim_nodes

@@ -13,7 +13,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Solid
 from fretfe.errors import MeshError, ModelError
 from fretfe.mesh.elements import reference_nodes, shape_values
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.surface import Chain, Surface, build_surface, tangent_frames
 

@@ -15,7 +15,7 @@ from fretfe._typing import Array
 from fretfe.bodies.continued import continued_nodes
 from fretfe.bodies.definition import contact_surfaces, couple_contacts, define_model
 from fretfe.case import Solid, parse_case
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 
 Data = dict[str, Any]

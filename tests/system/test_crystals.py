@@ -35,7 +35,7 @@ from fretfe.materials.crystals import (
 )
 from fretfe.materials.crystals import isotropic as isotropic_stiffness
 from fretfe.materials.material import Material
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.report.figures.tractions import SLIP_SYSTEMS, slip_system_plot
 from fretfe.report.source import shown_contacts

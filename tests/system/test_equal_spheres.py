@@ -28,7 +28,7 @@ from fretfe.fem.model import build_model, step_loads
 from fretfe.fem.run import load_history
 from fretfe.fem.timing import Clock
 from fretfe.mesh.elements import reversal
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 # The contact radius is 1.

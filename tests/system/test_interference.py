@@ -15,7 +15,7 @@ from cases.pad_cases import TOP, cylinder, pad, press, shear
 from fretfe._typing import Array
 from fretfe.case import Solid
 from fretfe.caution import Kind
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 

@@ -20,7 +20,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import ContactHistory
 from fretfe.materials.crystals import bunge_rotation
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 

@@ -32,8 +32,9 @@ from fretfe.mesh.elements import (
     shape_slopes,
     shape_values,
 )
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.gmsh import gmsh_model
-from fretfe.mesh.load import extrude, grouped_mesh
+from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.make import read_mesh, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns, mesh_summary
 

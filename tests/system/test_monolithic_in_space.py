@@ -15,7 +15,7 @@ from reference.monolithic_runs import assert_same, monolithic, statuses
 from fretfe._typing import Array
 from fretfe.case import Solid
 from fretfe.contact.state import OPEN, SLIP, STICK
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 Data = dict[str, Any]

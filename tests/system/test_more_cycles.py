@@ -20,7 +20,7 @@ from fretfe.errors import StoppedError
 from fretfe.evaluate.cycles import STEADY_CHANGE
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 

@@ -21,7 +21,8 @@ from fretfe.errors import CaseError, MeshError, OutputError
 from fretfe.exchange.submodel import told, write_submodel
 from fretfe.loads import build_history
 from fretfe.mesh.elements import facet_measures
-from fretfe.mesh.load import extrude, grouped_mesh, made_mesh
+from fretfe.mesh.extrusion import extrude
+from fretfe.mesh.load import grouped_mesh, made_mesh
 from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.part import distances, part_of, seen

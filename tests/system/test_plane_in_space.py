@@ -24,7 +24,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.mesh.elements import reference_nodes, shape_values
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template

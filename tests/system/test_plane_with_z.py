@@ -30,7 +30,7 @@ from fretfe.local.half_planes import Contacts
 from fretfe.local.problem import EdgeHistories, solve_edges
 from fretfe.materials.crystals import HalfPlane, bunge_rotation, cubic, tensor, turned
 from fretfe.materials.material import Material
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.runner import Runner

@@ -13,7 +13,7 @@ from fretfe.bodies.definition import define_model
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, Solid, parse_case
 from fretfe.errors import ModelError
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
 Tables = dict[str, Any]

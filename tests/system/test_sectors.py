@@ -30,7 +30,7 @@ from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
 from fretfe.materials.material import Material
 from fretfe.mesh.elements import quadrature, shape_values
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.make import mesh_template
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template

@@ -12,7 +12,7 @@ from cases import blocks
 from cases.contact_runs import Run, ramp, run
 
 from fretfe.case import Solid
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
 
 DOWN, TURN = -0.02, 0.003

@@ -17,8 +17,8 @@ from scipy.spatial import cKDTree
 from fretfe.bodies.cyclic import tie_sides
 from fretfe.case import Solid, parse_case
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.gmsh import gmsh_model
-from fretfe.mesh.load import extrude
 from fretfe.mesh.make import mesh_template, write_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.mesh.templates import find_template

@@ -20,7 +20,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import Factor
-from fretfe.mesh.load import extrude
+from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.results.model import Result
 
