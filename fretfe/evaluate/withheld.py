@@ -24,6 +24,7 @@ class Lack(StrEnum):
     NO_BORDER = "no border"
     SHORT_BORDER = "short border"
     NO_CURVE = "no curve"
+    FREE_END = "free end"
     NO_EDGE = "no edge"
     FAULT = "fault"
 
@@ -90,6 +91,11 @@ class Withheld:
                 return (
                     "the tractions of full stick cannot be told next to the edge: refine the mesh "
                     "there"
+                )
+            case Lack.FREE_END:
+                return (
+                    "the station is nearer to a free end than the length of an element along the "
+                    "front: make the layers thinner there (end_size)"
                 )
         return _of_fronts(self)
 

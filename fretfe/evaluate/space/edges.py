@@ -20,6 +20,7 @@ from fretfe.evaluate.space.range_spread import unresolved
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.stations import EdgeData, MovedEdge
+from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.faults import Fault
 from fretfe.history.solution import ContactHistory
 
@@ -100,9 +101,11 @@ class FrontEdges(EdgeData):
         """The station with its place along the front, and what that makes of the contact there."""
         front, frames = self.track.front, self.track.front.frames
         length = float(last_known(self.track.fit.length[:, number], self.cycle))
+        lack = Withheld(Lack.FREE_END) if front.copied[number] else station.lack
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         return replace(
             station,
+            lack=lack,
             arc=float(frames.arc[number]),
             curvature=float(frames.curvature[number]),
             to_end=to_end,

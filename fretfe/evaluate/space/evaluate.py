@@ -153,7 +153,9 @@ def _factors(
         _interpolate(track.fit.place, known, own, front.depth, steps.dundurs, power)
         for own in integrals.factors[:, :, stations].swapaxes(0, 1)
     )
-    return steps.histories(UnitFactors(ways), alone=True)
+    histories = steps.histories(UnitFactors(ways), alone=True)
+    histories.ways[:, front.copied] = np.nan
+    return histories
 
 
 def _interpolate(

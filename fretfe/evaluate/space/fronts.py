@@ -118,6 +118,16 @@ class SpaceFront:
         room = np.minimum(ROOM * sizes, frames.length / 2)
         return np.clip(frames.arc, room, frames.length - room) - frames.arc
 
+    @property
+    def copied(self) -> Bools:
+        """(n,) stations next to a free end, where factors are those of a place further inside.
+
+        Towards the corner of a free end factors grow, and a place an element away says nothing of
+        it; at a plane of symmetry they have no slope.
+        """
+        sizes = np.array([sector.along_size for sector in self.sectors])
+        return np.asarray((self.aside != 0) & (self.frames.to_free_end < ROOM * sizes))
+
 
 class FrontFinder:
     """Finds the fronts of a contact surface.

@@ -20,6 +20,7 @@ from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import judge, longest_verdict
+from fretfe.evaluate.withheld import Lack
 from fretfe.report.page.evaluated import cycle_sentences
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
@@ -529,17 +530,37 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
         (contact, front, station)
         for contact, front in named
         for station in front.stations
-        if station.end and math.isfinite(station.k_range)
+        if station.end
     ]
     if not ends:
         return ""
-    contact, front, station = max(ends, key=lambda each: each[2].k_range)
-    return (
+    texts = [
         "Ends of open fronts are outside the edge formulas: the fields there are not those of an "
-        f"edge. The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
-        f"{run.unit('k_t')}, by radii, elements and steps, at "
-        f"{_place(run, contact, station)}. {_end_slip(run, contact, front, station)}"
-    )
+        "edge."
+    ]
+    known = [each for each in ends if math.isfinite(each[2].k_range)]
+    if known:
+        contact, front, station = max(known, key=lambda each: each[2].k_range)
+        texts.append(
+            f"The largest |ΔK| is {with_error(station.k_range, station.k_range_spread)} "
+            f"{run.unit('k_t')}, by radii, elements and steps, at {_place(run, contact, station)}."
+        )
+    else:
+        contact, front, station = max(ends, key=lambda each: _largest_range(each[1]))
+    short = [each[2].to_end for each in ends if each[2].lack.kind is Lack.FREE_END]
+    if short:
+        texts.append(
+            f"Nearer to free ends than {number(max(short), 2)} {run.unit('length')} |ΔK| is "
+            "unknown, and may be larger than anywhere else: elements are longer than that along "
+            "the front. Make the layers thinner there (end_size)."
+        )
+    return " ".join([*texts, _end_slip(run, contact, front, station)])
+
+
+def _largest_range(front: Front) -> float:
+    """The largest |ΔK| of a front away from its ends; −∞ without any."""
+    ranges = (station.k_range for station in front.judged)
+    return max(filter(math.isfinite, ranges), default=-math.inf)
 
 
 def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> str:
