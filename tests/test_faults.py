@@ -124,7 +124,7 @@ def test_a_broken_evaluation_costs_nothing_else(
     known = [each for each in contact.stations if np.isfinite(each.reported_k_n)]
     for station in known:
         (other,) = [each for each in same.stations if each.front == station.front]
-        assert station.last_k_n == pytest.approx(other.last_k_n, rel=1e-12)
+        assert station.decisive_k_n == pytest.approx(other.decisive_k_n, rel=1e-12)
     unknown = [each for each in contact.stations if each not in known]
     assert all("ZeroDivisionError" in each.lack.text for each in unknown)
     assert contact.stations == () or len(contact.stations) == 2
@@ -142,8 +142,8 @@ def test_one_edge_costs_not_the_other(
     done, out = run(tmp_path, "--no-report"), tmp_path / "out"
     require_told(done, out, "contact main, right edge")
     left, right = load_result(out).contacts[0].stations
-    assert left.last_k_n == pytest.approx(sound.contacts[0].stations[0].last_k_n, rel=1e-12)
-    assert np.isnan(right.last_k_n).all() and np.isnan(right.reported_range)
+    assert left.decisive_k_n == pytest.approx(sound.contacts[0].stations[0].decisive_k_n, rel=1e-12)
+    assert np.isnan(right.decisive_k_n).all() and np.isnan(right.reported_range)
     assert any(
         each.sentence.startswith("right edge: unknown, because fretfe itself failed (ZeroDivisionE")
         for each in load_result(out).contacts[0].warnings

@@ -280,6 +280,9 @@ class StationHistory:
     first: Annotated[int, Quantity("", "first state of that cycle, -1 without")] = field(
         default=-1, kw_only=True
     )
+    decisive: Annotated[
+        int, Quantity("", "state of the largest P of the cycle, or of the worst counted one")
+    ] = field(default=-1, kw_only=True)
 
     @property
     def inward(self) -> int:
@@ -287,14 +290,14 @@ class StationHistory:
         return -1 if self.front == "right" else 1
 
     @property
-    def last_k_n(self) -> tuple[float, float]:
-        """K_N in the state `last`, and its error bar."""
-        return float(self.k_n[self.last]), float(self.k_n_spread[self.last])
+    def decisive_k_n(self) -> tuple[float, float]:
+        """K_N in the state `decisive`, and its error bar."""
+        return float(self.k_n[self.decisive]), float(self.k_n_spread[self.decisive])
 
     @property
     def reported_k_n(self) -> float:
-        """K_N in the state `last`; NaN if its error bar is unknown or more than half of it."""
-        return reported(*self.last_k_n)
+        """K_N in the state `decisive`; NaN if its bar is unknown or more than half of it."""
+        return reported(*self.decisive_k_n)
 
 
 @dataclass(frozen=True)
@@ -361,8 +364,8 @@ class Station(StationHistory):
     `k_angle`.
 
     Attributes:
-        frame: in the plane in the last state in which the position is known, of solids before
-            deformation.
+        frame: in the plane in the state `decisive`, or the last one in which the position is known,
+            of solids before deformation.
         point: (3,) place before deformation: in the plane in the same state as `frame`, of solids
             on the front in the reference state; NaN where unknown.
         curvature: positive where the contact is convex.
@@ -373,7 +376,7 @@ class Station(StationHistory):
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description. Of solids by
             `length`, the depth of the contact and the bend of the front.
-        lack: why K_N in the state `last`, or the range, or nothing at all is known: it is no edge
+        lack: why K_N in the state `decisive`, or the range, or nothing at all is known: it is no edge
             as the bodies go on behind it, or fretfe failed.
         k_angle: in degrees, between -90 and 90.
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
@@ -431,7 +434,7 @@ class Station(StationHistory):
         Quantity("length", "at which K_N is told between unlike bodies; NaN between similar ones"),
     ] = math.nan
     exponent: Annotated[
-        float, Quantity("", "lambda of the pressure, s^lambda, in the state `last`")
+        float, Quantity("", "lambda of the pressure, s^lambda, in the state `decisive`")
     ] = 0.5
     oscillation: Annotated[
         float, Quantity("", "epsilon of full stick; zero between similar bodies")
@@ -440,7 +443,7 @@ class Station(StationHistory):
         float, Quantity("", "f times |beta| of unlike bodies, of which formulas leave out a part")
     ] = 0.0
     friction: Annotated[
-        float, Quantity("", "coefficient at the edge in the step to the state `last`")
+        float, Quantity("", "coefficient at the edge in the step to the state `decisive`")
     ] = math.nan
     cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
@@ -516,8 +519,8 @@ class Station(StationHistory):
 
     @property
     def uncertain(self) -> bool:
-        """True if the fits of K_N in the state `last` spread too far for a prediction."""
-        return uncertain_factor(*self.last_k_n)
+        """True if the fits of K_N in the state `decisive` spread too far for a prediction."""
+        return uncertain_factor(*self.decisive_k_n)
 
     @property
     def uncertain_range(self) -> bool:

@@ -22,8 +22,9 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
 from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import CountedCycles, StationHistory, no_cycles
+from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
-from fretfe.history.state_array import StateArray
+from fretfe.history.state_array import StateArray, blocks
 from fretfe.surface.friction import Friction
 
 # Changes below this fraction of the range are no reversal.
@@ -288,7 +289,10 @@ def _outer_steps(slip: _Slip, start: int, end: int, way: int) -> Bools:
 
 
 def cycle_changes(
-    solution: Solution, traction: StateArray | NDArray[np.float64], friction: Friction
+    solution: Solution,
+    traction: StateArray | NDArray[np.float64],
+    friction: Friction,
+    weights: Array,
 ) -> list[float]:
     """Largest changes of the shear over cycles, relative to f p_max of the evaluated one.
 
@@ -296,6 +300,7 @@ def cycle_changes(
         solution: the solved history.
         traction: (T, N, d) of a contact, the pressure first.
         friction: of it.
+        weights: (N,) of its nodes.
 
     Returns:
         That of the evaluated cycle, and those of a few cycles before it under the same loads, the
@@ -304,9 +309,13 @@ def cycle_changes(
     cycles = _same_cycles(solution, friction)
     if not cycles:
         return [math.nan]
-    last = cycles[0][1]
-    pressure = traction[last][:, 0]
-    largest, bound = float(pressure.max()), float((friction.at(last) * pressure).max())
+    states = np.arange(cycles[0][0], cycles[0][1] + 1)
+    forces = [
+        traction[states[part], :, 0] @ weights for part in blocks(len(states), traction[0].size)
+    ]
+    state = int(states[most_loaded(np.concatenate(forces), np.arange(len(states)))])
+    pressure = traction[state][:, 0]
+    largest, bound = float(pressure.max()), float((friction.at(state) * pressure).max())
     if bound <= 0:
         return [math.nan]
     return [

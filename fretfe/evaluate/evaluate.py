@@ -13,6 +13,7 @@ from fretfe._typing import Array
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
+from fretfe.evaluate.loaded import with_own_cycle
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
@@ -118,7 +119,10 @@ def _evaluate_contact(
 ) -> Contact:
     solid = contact.surface.facets is not None
     changes = cycle_changes(
-        solution, contact.mean_traction if solid else contact.traction, contact.friction
+        solution,
+        contact.mean_traction if solid else contact.traction,
+        contact.friction,
+        contact.surface.weights,
     )
     if solid:
         from fretfe.evaluate.space.evaluate import evaluate_solids
@@ -132,7 +136,8 @@ def _evaluate_contact(
         found = evaluate_plane(solution, whole.contact, find_units, reference_length)
         if whole.image is not None:
             found = _of_half(solution, contact, whole.image, found)
-        warnings = plane_warnings(solution, whole.contact, found["fronts"], changes)
+        loaded = with_own_cycle(solution, whole.contact)
+        warnings = plane_warnings(loaded, whole.contact, found["fronts"], changes)
     return Contact(
         name=contact.name,
         pair=contact.pair,

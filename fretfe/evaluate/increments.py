@@ -45,12 +45,13 @@ class ContactSteps:
     """The steps of a contact, which add to the factors of its edges.
 
     Attributes:
-        solution: the solved history.
+        solution: the solved history, with the cycle of the contact.
         dundurs: beta.
         friction: (T,) whether there is any in the step that ends at each state.
         touching: (T,) states in which there is contact.
         intervals: first and last state of each run of states in which the contact exists, one at
             least. Histories begin anew with each.
+        whole: the solved history with its own cycle.
     """
 
     solution: Solution
@@ -58,17 +59,30 @@ class ContactSteps:
     friction: Bools
     touching: Bools
     intervals: tuple[tuple[int, int], ...]
+    whole: Solution
 
     @classmethod
-    def of(cls, solution: Solution, contact: ContactHistory) -> ContactSteps:
-        """Those of one of the contacts of a solved history."""
+    def of(cls, solution: Solution, contact: ContactHistory, whole: Solution) -> ContactSteps:
+        """Those of one of the contacts of a solved history, with its cycle and the one of all."""
         return cls(
             solution,
             contact.surface.dundurs,
             contact.friction.acts,
             contact.pressed_nodes > 0,
             contact.intervals,
+            whole,
         )
+
+    @property
+    def swing(self) -> Cycle:
+        """First and last state of the cycle with the states beside it that it leaves out.
+
+        Factors of full stick are known there from one side, though the edges are not.
+        """
+        own, outer = self.solution.cycle, self.whole.cycle
+        if own is None or outer is None:
+            return None
+        return max(own[0] - 1, outer[0]), min(own[1] + 1, outer[1])
 
     @property
     def known(self) -> Bools:
@@ -106,7 +120,7 @@ class ContactSteps:
             alone: whether each station counts by itself where it is unknown; otherwise all of them
                 are unknown where one is.
         """
-        step, drivers, cycle = self.solution.step, self.solution.driver_values, self.solution.cycle
+        step, drivers, cycle = self.solution.step, self.solution.driver_values, self.swing
         ways: list[Array] = []
         one_sided = uneven = np.empty(0)
         for each in units.main:

@@ -18,6 +18,8 @@ POWERS = np.arange(HIGHEST + 1)
 # Newton's method for the root: iterations at most, and steps that are none, in window lengths.
 ITERATIONS = 12
 ROUND_OFF = 1e-15
+# Loads that differ by less than this part of the largest are equal: the last one decides.
+EQUAL_LOADS = 1e-6
 # Edges may stand so many elements outside the outermost node.
 FARTHEST = 3.0
 # Pressures of a fit are taken as this part of their error at least: weights stay finite.
@@ -75,6 +77,17 @@ def _weights(squares: Array, known: Bools) -> Array:
     found = known.any(axis=(-2, -1))
     weights[found] /= weights[found].sum(axis=(-2, -1), keepdims=True)
     return weights
+
+
+def most_loaded(force: Array, states: Indices) -> int:
+    """The state of the largest P of some states, the last of equal ones.
+
+    Args:
+        force: (T,) P.
+        states: one at least.
+    """
+    loads = force[states]
+    return int(states[np.flatnonzero(loads >= (1 - EQUAL_LOADS) * loads.max())[-1]])
 
 
 def count_up(increments: Array, cycle: tuple[int, int] | None) -> Array:

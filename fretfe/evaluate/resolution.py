@@ -55,7 +55,7 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
         StationValues(
             contact=contact.name,
             front=station.front,
-            k_n=station.last_k_n[0],
+            k_n=station.decisive_k_n[0],
             k_t=_k_t(solution, station),
             slip=tuple(zone.length for zone in _last_zones(station)),
             rise=_rise(history, contact, station),
@@ -80,7 +80,7 @@ def _stations(
     solution: Solution, contacts: Sequence[Contact]
 ) -> Iterator[tuple[ContactHistory, Contact, Station]]:
     for history, contact in zip(solution.contacts, contacts, strict=True):
-        if np.any(history.traction[contact.stations[0].last, :, 0] > 0):
+        if np.any(history.traction[contact.stations[0].decisive, :, 0] > 0):
             for station in contact.stations:
                 if not station.lack.whole:  # no mesh tells anything of those
                     yield history, contact, station
@@ -99,14 +99,14 @@ def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
     """
     pressure = history.traction[station.last, :, 0]
     patch = main_patch(history.surface.arc, pressure)
-    half_width = float(contact.half_width[station.last])
-    if not np.isfinite(station.last_k_n[0]) or not np.isfinite(half_width):
+    half_width = float(contact.half_width[station.decisive])
+    if not np.isfinite(station.decisive_k_n[0]) or not np.isfinite(half_width):
         low, high = max(patch.first - 1, 0), min(patch.last + 1, len(pressure) - 1)
         return float(history.surface.arc[high] - history.surface.arc[low]) / 2
     inside = slice(patch.first, patch.last + 1)
     arc, pressure = history.surface.arc[inside], pressure[inside]
-    near = station.inward * (contact.centre[station.last] - arc) >= 0
-    return float(min((pressure[near].max() / station.last_k_n[0]) ** 2, half_width))
+    near = station.inward * (contact.centre[station.decisive] - arc) >= 0
+    return float(min((pressure[near].max() / station.decisive_k_n[0]) ** 2, half_width))
 
 
 def needed_sizes(
@@ -174,12 +174,12 @@ def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
     for ever at an edge that has none: a sharp corner, or the end of a surface.
     """
     for history, contact, station in _stations(solution, contacts):
-        if np.isfinite(station.last_k_n[0]) and not station.uncertain:
+        if np.isfinite(station.decisive_k_n[0]) and not station.uncertain:
             continue
         cycle = cycle_states(solution.cycle)
         states = cycle if len(cycle) else np.array([len(solution.times) - 1])
         element = _largest_element(history.surface.arc, *_front_range(history, station, states))
-        half_width = float(contact.half_width[station.last])
+        half_width = float(contact.half_width[station.decisive])
         scale = half_width if math.isfinite(half_width) else _rise(history, contact, station)
         if element < SMALLEST_ELEMENT * scale:
             return (
@@ -217,16 +217,16 @@ def _station_intervals(
 ) -> list[Interval]:
     """Range of a station in the cycle and its slip zones; finer where numbers are taken.
 
-    Those places are the station at the end of the cycle, or history, and of half cycles, and the
+    Those places are the station in the state that decides, and at the ends of half cycles, and the
     inner ends of slip zones; only there do the elements shrink with the level.
     """
     cycle = cycle_states(solution.cycle)
     states = cycle if len(cycle) else np.array([len(solution.times) - 1])
     low, high = _front_range(history, station, states)
     size = values.rise / PER_RISE
-    if not np.isfinite(station.last_k_n[0]) or station.uncertain:
+    if not np.isfinite(station.decisive_k_n[0]) or station.uncertain:
         size = min(size, _largest_element(history.surface.arc, low, high) / BLIND)
-    places, intervals = [(float(station.position[station.last]), size)], []
+    places, intervals = [(float(station.position[station.decisive]), size)], []
     for zone in _last_zones(station):
         length = _length(zone)
         if length > SHORTEST_SLIP * values.rise:

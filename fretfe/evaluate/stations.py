@@ -38,6 +38,7 @@ from fretfe.evaluate.factors import (
 from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.load_path import LoadPath, excess, load_path
+from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.slip import FindBorder, cycle_states, slip_zones
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.evaluate.withheld import failed
@@ -77,7 +78,8 @@ class EdgeData(ABC):
         frictions: (n,) coefficient (T,) in the step that ends at each state.
         half_widths: (n,) half of the width of the contact, as last known.
         pressed: (n,) whether P alone drives each of them.
-        last: state whose numbers stand for the station.
+        last: last state of the evaluated cycle, or of all.
+        force: (T,) P of the contact.
         lengths: (n,) reference lengths of unlike bodies, at which K_N and factors are; None between
             similar ones, and where they are still at the length 1.
     """
@@ -89,6 +91,7 @@ class EdgeData(ABC):
     half_widths: Array
     pressed: Sequence[bool]
     last: int
+    force: Array
     lengths: Array | None = field(default=None)
 
     @abstractmethod
@@ -100,8 +103,8 @@ class EdgeData(ABC):
         """An edge in words, for messages."""
 
     @abstractmethod
-    def place(self, number: int) -> tuple[Array, Frame]:
-        """Point (3,) and frame of the station."""
+    def place(self, number: int, state: int) -> tuple[Array, Frame]:
+        """Point (3,) and frame of the station in a state."""
 
     @abstractmethod
     def size(self, number: int) -> float:
@@ -152,6 +155,11 @@ class EdgeData(ABC):
     def cycle(self) -> Indices:
         """States of the evaluated cycle."""
         return cycle_states(self.steps.solution.cycle)
+
+    def ranged(self, along: Array) -> Indices:
+        """States over which a factor (T,) has its range: also those beside the cycle if known."""
+        swing = cycle_states(self.steps.swing)
+        return swing if np.isfinite(along[swing]).all() else self.cycle
 
     @cached_property
     def path(self) -> LoadPath | None:
@@ -216,11 +224,14 @@ class EdgeData(ABC):
         vectors = np.column_stack([history.k_t, history.k_s])
         direction, turning = main_direction(vectors, cycle)
         along = replace(history, k_t=vectors @ direction)
+        states = self.ranged(along.k_t)
         evaluated = _known(along, self.steps.known)
-        cycles = count_cycles(cycle, friction, evaluated, self.steps.solution.loads.returns)
+        cycles = count_cycles(cycle, friction, evaluated, self.steps.whole.loads.returns)
+        decisive = decisive_state(self.force, cycle, self.steps.solution.ends, cycles)
+        history = replace(history, decisive=decisive)
         parts = self.unresolved(number, direction)
-        spread = range_spread(self.factors, number, direction, parts, cycle, self.path)
-        point, frame = self.place(number)
+        spread = range_spread(self.factors, number, direction, parts, states, self.path)
+        point, frame = self.place(number, history.decisive)
         fitted = self.factors.fitted
         exponents = np.broadcast_to(self.fits[number].exponent, history.k_n.shape)
         found = Station(
@@ -232,9 +243,9 @@ class EdgeData(ABC):
             k_n_moved_spread=moved.spread,
             k_n_moved_reason=moved.reason,
             stiffening=moved.stiffening,
-            k_t_range=cycle_range(history.k_t, cycle),
-            k_s_range=cycle_range(history.k_s, cycle),
-            k_range=cycle_range(along.k_t, cycle),
+            k_t_range=cycle_range(history.k_t, states),
+            k_s_range=cycle_range(history.k_s, states),
+            k_range=cycle_range(along.k_t, states),
             k_angle=float(np.degrees(np.arctan2(direction[1], direction[0]))),
             turning=turning,
             k_range_spread=spread.total,
@@ -242,15 +253,15 @@ class EdgeData(ABC):
             k_t_range_fitted=(
                 math.nan
                 if fitted is None
-                else cycle_range(along_line(fitted[number], direction), cycle)
+                else cycle_range(along_line(fitted[number], direction), states)
             ),
-            k_i_range=cycle_range(history.k_i, cycle),
+            k_i_range=cycle_range(history.k_i, states),
             reference_length=math.nan if self.lengths is None else float(self.lengths[number]),
-            exponent=float(exponents[history.last]),
+            exponent=float(exponents[history.decisive]),
             oscillation=oscillation(beta),
             # Shear along the front is independent of beta.
             coupling=abs(beta * float(direction[0])) * float(friction.max()),
-            friction=float(friction[history.last]),
+            friction=float(friction[history.decisive]),
             cycles=cycles,
             slip_zones=self._zones(number, evaluated, cycles, direction),
         )

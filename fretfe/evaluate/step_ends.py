@@ -148,6 +148,7 @@ class StepEnds:
         return replace(
             station,
             last=int(self._step[station.last]),
+            decisive=int(self._step[station.decisive]),
             first=int(self._step[station.first]) if station.first >= 0 else -1,
             cycles=replace(cycles, start=self._step[cycles.start], end=self._step[cycles.end]),
             slip_zones=self._zones(station),

@@ -172,7 +172,8 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     if not irregular:
         return np.zeros(0, dtype=np.int64)
     edge, friction = max(irregular, key=lambda each: largest_range(each[0]))
-    return worst_path(edge.cycles, cycle_states(solution.cycle), friction, edge)
+    states = np.arange(edge.first, edge.last + 1) if edge.first >= 0 else cycle_states(None)
+    return worst_path(edge.cycles, states, friction, edge)
 
 
 def largest_range(edge: Station) -> float:

@@ -76,7 +76,7 @@ def withheld(station: Station) -> str:
 
 
 def _no_k_n(station: Station) -> str:
-    k_n, spread = station.last_k_n
+    k_n, spread = station.decisive_k_n
     if math.isfinite(station.reported_k_n):
         return ""
     if math.isnan(k_n):

@@ -15,7 +15,7 @@ from fretfe.analytic.paths import reversals
 from fretfe.caution import Caution, Kind, about
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
-from fretfe.evaluate.plane.lacks import evaluated_states
+from fretfe.evaluate.loaded import evaluated_states
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
@@ -67,7 +67,7 @@ def plane_warnings(
     name = contact.name
     yield from _nothing_known(name, fronts)
     stations = tuple(station for front in fronts for station in front.stations)
-    states = evaluated_states(solution)
+    states = evaluated_states(solution, contact)
     if contact.nodes_pressed_in(states).any():
         for station in stations:
             yield from about(name, station.front, _unknown(solution, contact, station))
@@ -251,7 +251,7 @@ def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> I
     """Factors of a plane edge that cannot be told, and why."""
     if station.lack.whole or station.lack.kind is Lack.NOTHING:
         return
-    unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
+    unknown = contact.exists[station.decisive] and not math.isfinite(station.decisive_k_n[0])
     missing = ["K_N"] if unknown else []
     if solution.cycle is not None and not math.isfinite(station.k_t_range):
         missing.append("ΔK_T")
@@ -371,7 +371,7 @@ def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
     if station.uncertain:
         # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
         kind = Kind.K_N_LINEAR if linear else Kind.K_N_UNCERTAIN
-        k_n, spread = station.last_k_n
+        k_n, spread = station.decisive_k_n
         bar = f" ± {spread:.2g}" if math.isfinite(spread) else ", without an error bar"
         yield kind, f"K_N is {k_n:.3g}{bar}"
     steps = station.k_range_parts.steps

@@ -136,8 +136,8 @@ def quantity_pairs(first: Result, pairs: Sequence[ContactPair]) -> Iterator[Quan
 
 def _contact(contact: Contact) -> list[Number]:
     if not contact.solid:
-        last = contact.stations[0].last
-        return [Number("half-width", "length", float(contact.half_width[last]))]
+        state = contact.stations[0].decisive
+        return [Number("half-width", "length", float(contact.half_width[state]))]
     return [
         *(
             Number(quantity, CONTACT_NUMBERS[name].kind, float(getattr(contact, name)[-1]))

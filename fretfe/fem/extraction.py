@@ -19,6 +19,7 @@ from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.evaluate.evaluate import Tracks
+from fretfe.evaluate.loaded import evaluated_states, with_own_cycle
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
@@ -220,8 +221,7 @@ class _Areas:
 
 def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     """Smallest, middle and largest contact area of the cycle; None if edges cannot be fitted."""
-    cycle = cycle_states(solution.cycle)
-    states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    states = evaluated_states(with_own_cycle(solution, contact), contact)
     sizes = contact.nodes_pressed_in(states)
     if sizes.min() < FEWEST_NODES or contact.full_stick.area[states].min() < 0:
         return None
@@ -230,14 +230,19 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     # Areas that differ by a node or two have the same factors but for that difference.
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
     chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
-    pressure = contact.traction[[*states[firsts[chosen]], states[-1]], :, 0]
+    looked = np.append(states[firsts[chosen]], states[-1])
+    pressure = contact.traction[looked, :, 0]
     sections = plane_sections(contact.surface.arc, pressure)
     edges = np.stack([fit_edge(section).position for section in sections], axis=1)
-    if not np.isfinite(edges).all():
+    # The pressures of a flat under little load do not show its edges.
+    known = np.isfinite(edges).all(axis=1)
+    if not known[:-1].any():
         return None
-    room = _room(contact, edges, [*states[firsts[chosen]], states[-1]])
-    reaches = _reaches(contact, edges[-1], room)
-    return _Areas(numbers[chosen], edges[:-1], edges[-1], reaches) if len(reaches) else None
+    last = edges[-1] if known[-1] else edges[:-1][known[:-1]][-1]
+    room = _room(contact, edges[known], looked[known].tolist())
+    reaches, own = _reaches(contact, last, room), edges[:-1][known[:-1]]
+    kept = numbers[chosen[known[:-1]]]
+    return _Areas(kept, own, last, reaches) if len(reaches) else None
 
 
 def _room(contact: ContactHistory, edges: Array, states: Sequence[int]) -> float:

@@ -465,7 +465,7 @@ def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> boo
     """True if the last cycle is steady, or more of them would not make it so."""
     solution = recorder.solution(cycles.solved(recorder.steps_done), {})
     changes = [
-        cycle_changes(solution, contact.mean_traction, contact.friction)
+        cycle_changes(solution, contact.mean_traction, contact.friction, contact.surface.weights)
         for contact in solution.contacts
     ]
     if not may_become_steady(changes):

@@ -231,7 +231,7 @@ def check_times(case: Case, times: Array) -> None:
 def find_cycle(
     case: Case, times: Array, values: Array, channels: Mapping[str, Sequence[Piece]]
 ) -> tuple[int, int] | None:
-    """First and last step of the cycle: the one the case gives, or that of the slowest wave.
+    """First and last step of the cycle: given, that of the slowest wave, or the last mission.
 
     Args:
         case: the case, its times checked.
@@ -255,12 +255,28 @@ def find_cycle(
         slowest = max(waves.values(), key=lambda wave: (wave.period, wave.end))
         start, end = slowest.end - (slowest.period or 0.0), slowest.end
     else:
-        return None
+        return _mission(case, times, values)
     _check_periods(case, start, end, waves)
     first, last = (int(np.argmin(np.abs(times - time))) for time in (start, end))
     if case.cycle.given is None:
         _check_closed(case, times, values, first, last)
     return first, last
+
+
+def _mission(case: Case, times: Array, values: Array) -> tuple[int, int] | None:
+    """First and last step of the last time at which the loads rise from zero and return to it.
+
+    None if they do not end at zero, or friction does not act from the beginning on: what comes
+    before a state without any load then has no part in what comes behind it.
+    """
+    acts = (np.abs(values) > CLOSED * np.abs(values).max(axis=0)).any(axis=1)
+    loaded = np.flatnonzero(acts)
+    if not len(loaded) or acts[-1]:
+        return None
+    end = int(loaded[-1])
+    first = int(np.flatnonzero(~acts[:end])[-1])
+    rough = all(each.friction_from <= times[first] for each in case.contacts.values())
+    return (first, end + 1) if rough else None
 
 
 def _named_times(case: Case) -> Iterator[tuple[Key, float]]:
@@ -324,6 +340,8 @@ class CycleChoice(StrEnum):
     """By `[cycle]` of the case."""
     LAST_PERIOD = "last period"
     """The last whole period of the slowest wave."""
+    MISSION = "mission"
+    """The last part of loads without waves that begins and ends with all loads zero."""
     ADDED = "added"
     """The last whole one of the cycles that were added behind one of the above."""
 
@@ -494,10 +512,16 @@ def build_history(case: Case) -> History:
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
     cycle = find_cycle(case, times, values, channels)
-    choice = None if cycle is None else CycleChoice.LAST_PERIOD
-    if case.cycle.given is not None:
-        choice = CycleChoice.GIVEN
+    choice = None if cycle is None else _choice(case, channels)
     return History(tuple(channels), times, values, cycle, _between(channels, times), choice)
+
+
+def _choice(case: Case, channels: Mapping[str, Sequence[Piece]]) -> CycleChoice:
+    """The rule by which the cycle of some loads was found."""
+    if case.cycle.given is not None:
+        return CycleChoice.GIVEN
+    waves = any(piece.period is not None for pieces in channels.values() for piece in pieces)
+    return CycleChoice.LAST_PERIOD if waves else CycleChoice.MISSION
 
 
 def _lagrange(shares: Array) -> Array:

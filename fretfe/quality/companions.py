@@ -233,7 +233,7 @@ def _edge_rows(name: str, contact: Contact, station: Station, other: Station) ->
     # Extrapolated error of each number, first order.
     reason = f"elements {COARSER:g} times as large: the error of the case is about twice the change"
     for quantity, value, coarse in (
-        ("K_N", station.last_k_n[0], other.last_k_n[0]),
+        ("K_N", station.decisive_k_n[0], other.decisive_k_n[0]),
         ("ΔK_T", station.k_range, other.k_range),
     ):
         label = f"{quantity} {MESH}"

@@ -221,13 +221,13 @@ def hertz_rows(result: Result) -> Iterator[Row]:
     for contact in result.contacts:
         worst = [_worst(contact, front) for front in contact.fronts]
         for at, station in filter(None, worst):
-            force = float(contact.normal_force[station.last])
+            force = float(contact.normal_force[station.decisive])
             expected = hertz_contact(result.case, contact.pair, gaps[contact.pair], force)
             if expected is None:
                 reason = "the gap is neither that of a paraboloid nor of a cylinder"
                 yield at.missing("K_N, by Hertz", reason)
                 continue
-            k_n, bar = station.last_k_n
+            k_n, bar = station.decisive_k_n
             known = expected.k_n(station.curvature)
             reason = f"its error bar and {SHEAR_AGREEMENT:.0%}, as the bodies are not half-spaces"
             tolerance = math.hypot(bar, SHEAR_AGREEMENT * known)
@@ -280,7 +280,7 @@ def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[R
     """Rows of the only station of a plane front."""
     at = Place(contact.name, station.front)
     yield from _unknown_rows(at, contact, station)
-    if not math.isnan(station.last_k_n[0]):
+    if not math.isnan(station.decisive_k_n[0]):
         yield _moving_row(at, station)
         yield _fit_row(at, station)
         yield from _zone_rows(at, station)
@@ -289,11 +289,11 @@ def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[R
 
 def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row]:
     """Numbers that this run should carry and does not, and why."""
-    for quantity, value in (("K_N", station.last_k_n[0]), ("ΔK_T", station.k_range)):
+    for quantity, value in (("K_N", station.decisive_k_n[0]), ("ΔK_T", station.k_range)):
         if (
             math.isnan(value)
             and not station.lack.whole
-            and contact.normal_force[station.last] > 0
+            and contact.normal_force[station.decisive] > 0
             and not math.isnan(contact.cycle_change)
         ):
             reason = station.lack.text or "it is not known in every state of the cycle"

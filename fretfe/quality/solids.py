@@ -134,7 +134,7 @@ def sheared_ellipse() -> Benchmark:
     parameters = {"radius_x": RADIUS, "radius_z": radius_z, "contact_x": SHORT, "contact_z": LONG}
     shear_range = 2 * amplitude / (2 * math.pi * SHORT * LONG)
     numbers: dict[str, tuple[Callable[[Station], float], Callable[[Array], Array]]] = {
-        "K_N": (lambda station: station.last_k_n[0], lambda g: peak * np.sqrt(2 * g)),
+        "K_N": (lambda station: station.decisive_k_n[0], lambda g: peak * np.sqrt(2 * g)),
         "ΔK": (lambda station: station.k_range, lambda g: shear_range / np.sqrt(2 * g)),
     }
     return Benchmark(

@@ -122,13 +122,13 @@ def _number(name: str, meaning: str = "", read: str = "") -> Column:
     Args:
         name: of the column.
         meaning: in words; empty for that of the field.
-        read: attribute to read, of a history in the last state; empty for the field of this name.
+        read: attribute to read, of a history in the state that decides; empty for the field of this name.
     """
     attribute, field = read or name, NUMBERS[name if name in NUMBERS else read]
 
     def value(_: Contact, station: Station) -> Any:
         found = getattr(station, attribute)
-        found = found[station.last] if attribute in HISTORIES else found
+        found = found[station.decisive] if attribute in HISTORIES else found
         return float(found) if isinstance(found, float) else found
 
     return Column(name, field.kind, meaning or field.meaning, value, attribute)
@@ -241,15 +241,17 @@ STATION = (
 EDGES = (
     CONTACT,
     EDGE,
-    _number("position", "of the edge in the last state"),
+    _number("position", "of the edge in the state that decides"),
     Column(
         "half_width",
         "length",
-        "of the contact in the last state",
-        lambda contact, station: float(contact.half_width[station.last]),
+        "of the contact in the state that decides",
+        lambda contact, station: float(contact.half_width[station.decisive]),
     ),
     _number(
-        "k_n", "K_N in the last state; empty if its bar is more than half of it", "reported_k_n"
+        "k_n",
+        "K_N in the state that decides; empty if its bar is more than half of it",
+        "reported_k_n",
     ),
     _number("k_n_spread", "error bar of K_N"),
     _number(
@@ -291,12 +293,17 @@ CHOSEN = (
     *Column(
         "inward", "", "direction into the contact", lambda _, station: station.frame.inward
     ).components(AXES),
-    _number("position", "along the arc at the end; of solids from the point, inward"),
+    _number(
+        "position", "along the arc in the state that decides; of solids from the point, inward"
+    ),
     *map(_number, ("position_spread", "curvature", "to_end", "end")),
     _number("element_size", read="size"),
-    _number("k_n", "K_N in the last state"),
+    _number("k_n", "K_N in the state that decides"),
     *map(_number, ("k_n_spread", "k_n_moved", "k_n_moved_spread", "k_n_moved_reason")),
-    *(_number(name, f"{NUMBERS[name].symbol} in the last state") for name in ("k_t", "k_s", "k_i")),
+    *(
+        _number(name, f"{NUMBERS[name].symbol} in the state that decides")
+        for name in ("k_t", "k_s", "k_i")
+    ),
     *map(_number, ("k_t_range", "k_s_range", "k_i_range", "reference_length")),
     *map(_number, ("k_range", "k_range_spread", "k_angle", "turning")),
     *(each.of_longest() for each in STATION_LENGTHS),
@@ -391,7 +398,7 @@ def _last_zone(number: int) -> Reported:
     return Reported(f"d_{number}", "length", read)
 
 
-K_N = Reported("K_N", "k_n", lambda each: (each.reported_k_n, each.last_k_n[1]))
+K_N = Reported("K_N", "k_n", lambda each: (each.reported_k_n, each.decisive_k_n[1]))
 K_RANGE = Reported("ΔK", "k_t", lambda each: (each.reported_range, each.k_range_spread))
 ZONES = (_last_zone(1), _last_zone(2))
 WORK = Reported(

@@ -133,7 +133,7 @@ def _edge(
         remarks.append(f"P varies: f ΔK_I is {share:.0%} of ΔK_T, which the tests do not cover")
     return ComponentEdge(
         result=label, contact=contact.name, edge=edge.front, station=edge.number,
-        k_n=k_n, k_n_spread=edge.last_k_n[1],
+        k_n=k_n, k_n_spread=edge.decisive_k_n[1],
         k_t_range=k_t_range, k_t_range_spread=float(edge.k_range_spread),
         friction=friction, bodies=_bodies(result, pair),
         obstacle=_obstacle(result, pair, k_n, k_t_range), remarks=tuple(remarks),

@@ -92,7 +92,7 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
         half, bar = (places[1] - places[0]) / 2, float(station.position_spread[station.last])
         yield Judged(one, station.front, "edge", half, bar, a[-1], finite * FINITE_BODY * a[-1], "")
         k_n = float(edge_factor_k_n(one.form, a[-1]))
-        value, bar = station.reported_k_n, station.last_k_n[1]
+        value, bar = station.reported_k_n, station.decisive_k_n[1]
         yield Judged(one, station.front, "K_N", value, bar, k_n, finite * FINITE_BODY * k_n, "")
         if cycle:
             k_t, k_i = _ranges(loads[-1 - cycle :], a[-1 - cycle :], station)

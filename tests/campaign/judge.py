@@ -156,7 +156,7 @@ def judge(answers: Answers) -> Iterator[Judged]:
 
 def _truths(exact: Station, half_plane: Station) -> tuple[float, float, float]:
     zones = half_plane.slip_zones
-    return exact.last_k_n[0], exact.k_t_range, zones[-1].length if zones else math.nan
+    return exact.decisive_k_n[0], exact.k_t_range, zones[-1].length if zones else math.nan
 
 
 def _remarks(found: Result, edge: str) -> str:
@@ -170,8 +170,8 @@ def _judge_factors(
 ) -> Iterator[Judged]:
     finite = FINITE_BODY / BODY**2
     edge, truth = EDGES[number], exact[number]
-    k_n, k_t = truth.last_k_n[0], truth.k_t_range
-    value, bar = station.reported_k_n, station.last_k_n[1]
+    k_n, k_t = truth.decisive_k_n[0], truth.k_t_range
+    value, bar = station.reported_k_n, station.decisive_k_n[1]
     yield Judged(one, edge, "K_N", value, bar, k_n, finite * k_n, remark)
     if k_t > 0:
         # What the finite body adds does not vanish where shear and tension cancel.

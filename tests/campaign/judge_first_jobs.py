@@ -133,7 +133,7 @@ def _faults_of_numbers(result: Result, job: Job) -> Iterator[str]:
     k_n, k_range = factors
     scale = job.peak / math.pi
     for each in contact.stations:
-        value, bar = each.last_k_n
+        value, bar = each.decisive_k_n
         yield from _off(each.front, "K_N", value, bar, k_n, FINITE * k_n)
     # Edges have ranges of their own, stations of a sphere the same.
     largest = max(contact.stations, key=lambda each: each.k_range, default=None)
@@ -163,7 +163,7 @@ def differences(job: Job) -> Iterator[str]:
         return
     (contact,), (other,) = elements.contacts, planes.contacts
     for one, two in zip(contact.stations, other.stations, strict=True):
-        (value, bar), (truth, width) = one.last_k_n, two.last_k_n
+        (value, bar), (truth, width) = one.decisive_k_n, two.decisive_k_n
         yield from _off(one.front, "K_N", value, bar + width, truth, FINITE * truth)
         allowed = FINITE * two.k_range + PRESSED * two.k_i_range + 1e-9 * job.peak / math.pi
         bar = one.k_range_spread + two.k_range_spread

@@ -125,7 +125,7 @@ def _judge_station(
     counting = [each.text for each in warnings if each.kind is not Kind.UNSTEADY]
     remark = "; ".join(filter(None, (*counting, failure)))
     one, where = truth.draw, f"{station.front}, station {station.number}"
-    value, bar = station.reported_k_n, station.last_k_n[1]
+    value, bar = station.reported_k_n, station.decisive_k_n[1]
     yield Judged(one, where, "K_N", value, bar, truth.k_n, truth.finite * truth.k_n, remark)
     told, bar = math.isfinite(station.reported_range), station.k_range_spread
     # What the finite body adds does not vanish where a component does.

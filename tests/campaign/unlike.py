@@ -56,7 +56,7 @@ def _judge(
 ) -> Iterator[Judged]:
     for station, truth in zip(found, finer, strict=True):
         values = (
-            (*station.last_k_n, *truth.last_k_n),
+            (*station.decisive_k_n, *truth.decisive_k_n),
             (station.k_range, station.k_range_spread, truth.k_range, truth.k_range_spread),
         )
         for quantity, numbers in zip(UNLIKE_QUANTITIES, values, strict=False):

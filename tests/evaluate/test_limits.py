@@ -26,7 +26,7 @@ def test_k_n_of_crystals_holds_what_shear_does_to_the_pressure(
         result.contacts, result.solution.contacts, case.bodies, case.model.plane
     )
     for before, after in zip(result.contacts[0].stations, found.stations, strict=True):
-        (k_n, bar), (same, wider) = before.last_k_n, after.last_k_n
+        (k_n, bar), (same, wider) = before.decisive_k_n, after.decisive_k_n
         assert same == k_n
         added = 0.5 * cross * FRICTION * k_n
         assert np.sqrt(wider**2 - bar**2) == pytest.approx(added, rel=0.01, abs=1e-6)

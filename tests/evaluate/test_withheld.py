@@ -97,7 +97,7 @@ def test_every_kind_has_a_sentence(lack: Lack) -> None:
 
 
 def test_sweeps_and_runs_mark_alike() -> None:
-    k_n = left_of(solved()).last_k_n[0]
+    k_n = left_of(solved()).decisive_k_n[0]
     spread = np.full_like(left_of(solved()).k_n, 0.1 * k_n)
     contact = changed(k_n_spread=spread).contacts[0]
     in_run, in_sweep = cells(contact), _edge_cells(records(contact)[0])[1:]
@@ -106,7 +106,7 @@ def test_sweeps_and_runs_mark_alike() -> None:
 
 
 def test_nothing_is_predicted_without_k_n() -> None:
-    k_n = left_of(solved()).last_k_n[0]
+    k_n = left_of(solved()).decisive_k_n[0]
     contact = changed(k_n_spread=np.full_like(left_of(solved()).k_n, 0.6 * k_n)).contacts[0]
     in_run, in_sweep = cells(contact), _edge_cells(records(contact)[0])[1:]
     assert (in_run[0], in_run[3]) == (in_sweep[0], in_sweep[3]) == ("-", "-")

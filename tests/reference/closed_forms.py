@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -30,6 +30,7 @@ from fretfe.evaluate.cycles import count_cycles, worst_cycle
 from fretfe.evaluate.factors import cycle_range
 from fretfe.evaluate.increments import add_up
 from fretfe.evaluate.load_path import excess, load_path
+from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.plane.half_planes import shear_mismatch, tension_history
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.unit_factors import half_plane_units
@@ -285,6 +286,9 @@ def _station(
     loads = problem.history
     path = load_path(loads.values, loads.between, loads.cycle)
     cycles = count_cycles(cycle, problem.friction, history, problem.history.returns)
+    ends = np.arange(len(position))
+    state = decisive_state(problem.normal_force, cycle, ends, cycles)
+    history = replace(history, decisive=state)
     worst = worst_cycle(cycles, cycle, problem.friction, history)
     zones = slip_zones(cycle, problem.friction, history, borders, path, worst=worst)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))
@@ -300,7 +304,7 @@ def _station(
         k_range_spread=spread.total,
         k_range_parts=spread,
         k_i_range=cycle_range(history.k_i, cycle),
-        friction=float(problem.friction[history.last]),
+        friction=float(problem.friction[state]),
         cycles=cycles,
         slip_zones=zones,
         dissipation=_dissipation(problem, cycle, zones, k_n, cycles),

@@ -169,7 +169,7 @@ def sphere() -> Contact:
 
 def printed(station: Station) -> Iterator[tuple[float, float]]:
     """What is printed of a station: each number with its error bar."""
-    yield station.last_k_n
+    yield station.decisive_k_n
     yield station.k_range, station.k_range_spread
     for zone in station.slip_zones:
         yield zone.length, zone.spread

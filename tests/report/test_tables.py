@@ -118,7 +118,7 @@ def test_the_first_lines_have_the_worst_stations(sphere: Result) -> None:
     )
     assert first.endswith("d 0.0534 ± 0.0022 mm.")
     k_n, k_range = (with_error(*each) for each in (
-        worst.last_k_n, (worst.reported_range, worst.k_range_spread)
+        worst.decisive_k_n, (worst.reported_range, worst.k_range_spread)
     ))  # fmt: skip
     assert f"K_N {k_n} MPa/√mm, |ΔK| {k_range} MPa·√mm, d" in first
     assert second.startswith("1 contact front with 12 stations. At ")

@@ -81,7 +81,7 @@ def test_half_a_contact_has_one_edge_and_the_whole_width(tmp_path: Path, side: i
     image, edge = contact.stations[::side]
     assert edge.front == ("right" if side > 0 else "left")
     assert edge.point[:2] == pytest.approx([side * HALF_WIDTH, 0.0], abs=0.01 * HALF_WIDTH)
-    assert edge.last_k_n[0] == pytest.approx(K_N, rel=0.04)
+    assert edge.decisive_k_n[0] == pytest.approx(K_N, rel=0.04)
     assert edge.k_n_moved == pytest.approx(K_N, rel=0.06)
     assert np.isnan(image.k_n).all() and image.lack.whole
     told = " ".join(each.sentence for each in contact.warnings)

@@ -167,7 +167,7 @@ def test_unlike_spheres_without_friction_are_those_of_hertz() -> None:
     assert not front.closed and not front.along("end").any()
     radii = np.array([np.hypot(*each.point[[0, 2]]) for each in front.stations])
     np.testing.assert_allclose(radii, 1.0, atol=0.015)
-    k_n, bar = np.transpose([each.last_k_n for each in front.stations])
+    k_n, bar = np.transpose([each.decisive_k_n for each in front.stations])
     # p0 sqrt(2/a), with a as it is: K_N goes with a^(-5/2) under a given force.
     own = 2 * modulus(SOFT, HARD) / (np.pi * RADIUS) * np.sqrt(2) * radii.mean() ** -2.5
     assert k_n.mean() == pytest.approx(own, rel=0.02)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import astuple, fields, replace
 
 import numpy as np
@@ -10,6 +11,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import sliding_exponent
 from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.missing_shear import (
     MissingShear,
     widened,
@@ -51,6 +53,40 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
             parts[front.number][:, there[inside]] = np.array(astuple(fit))[:, inside]
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
+
+
+def with_areas(
+    fits: Sequence[EdgeFit], contact: ContactHistory, states: Indices, decisive: int
+) -> tuple[EdgeFit, ...]:
+    """Edges with their places by the nodes under pressure where the pressures do not show them.
+
+    Of flats with rounded ends under little load they do not, as no element of the rounding carries
+    much. Full stick depends on the place of the edge alone, which is then known to an element.
+
+    Args:
+        fits: of both fronts.
+        contact: whose edges.
+        states: of the cycle.
+        decisive: state in which the places of both edges must be known: elsewhere they are corners.
+    """
+    places = np.array([fit.position for fit in fits])
+    if not np.isfinite(places[:, decisive]).all():
+        return tuple(fits)
+    lost = states[~np.isfinite(places[:, states]).all(axis=0)]
+    lost = lost[contact.nodes_pressed_in(lost) >= WANTED_NODES] if len(lost) else lost
+    if not len(lost):
+        return tuple(fits)
+    pressed = np.asarray(contact.traction[lost, :, 0]) > 0
+    found = []
+    for front, fit in zip(PLANE_FRONTS, fits, strict=True):
+        arc, rows = front.from_front(contact.surface.arc), front.from_front(pressed)
+        inner = np.maximum(np.argmax(rows, axis=1), 1)
+        position, spread = fit.position.copy(), fit.spread_position.copy()
+        own = ~np.isfinite(position[lost])
+        position[lost[own]] = ((arc[inner] + arc[inner - 1]) / 2)[own]
+        spread[lost[own]] = np.abs(arc[inner] - arc[inner - 1])[own]
+        found.append(replace(fit, position=position, spread_position=spread))
+    return tuple(found)
 
 
 def _unlike_fit(

@@ -15,6 +15,7 @@ from fretfe.evaluate.contacts import Frame, SlipZone, Station
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import SMALLEST_MOVE, FactorHistories, along_line, cycle_range
 from fretfe.evaluate.growth import FindGrowth
+from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
 from fretfe.evaluate.plane.section import (
@@ -72,10 +73,12 @@ class PlaneEdges(EdgeData):
         """An edge in words, for messages."""
         return f"contact {self.contact.name}, {PLANE_FRONTS[number].name} edge"
 
-    def place(self, number: int) -> tuple[Array, Frame]:
-        """Point (3,) and frame in the last state in which the position is known."""
-        surface = self.contact.surface
-        place = last_known(self.fits[number].position, np.array([], dtype=np.int64))
+    def place(self, number: int, state: int) -> tuple[Array, Frame]:
+        """Point (3,) and frame in a state, or in the last one in which the position is known."""
+        surface, position = self.contact.surface, self.fits[number].position
+        place = float(position[state])
+        if math.isnan(place):
+            place = last_known(position, np.array([], dtype=np.int64))
         frames = surface.frames[:, :2, :2].reshape(len(surface.arc), -1)
         rows = np.hstack([surface.points, frames]).T
         point, across, tangent = np.reshape(
@@ -96,8 +99,11 @@ class PlaneEdges(EdgeData):
         return moved_edge(self.contact, front, half_width, float(exponents[-1]))
 
     def unresolved(self, number: int, direction: Array) -> list[float]:
-        """Errors of the range along a direction (2,) by the elements."""
-        return self._unresolved[number]
+        """Errors of the range along a direction (2,) by the elements, and by states left out."""
+        along = along_line(self.factors.ways.mean(axis=0)[number], direction)
+        states = self.ranged(along)
+        missed = left_out(self.steps.whole.cycle, states, self.force)
+        return [*self._unresolved[number], missed * cycle_range(along, states)]
 
     @cached_property
     def _unresolved(self) -> list[list[float]]:
@@ -168,7 +174,7 @@ def with_stiff_elements(
         position_spread=np.hypot(station.position_spread, moved),
     )
     # Where elements show no root of the pressure, the contact area of the increments is as vague.
-    vague = math.isfinite(found.last_k_n[0]) and math.isnan(found.reported_k_n)
+    vague = math.isfinite(found.decisive_k_n[0]) and math.isnan(found.reported_k_n)
     if not vague:
         return found
     parts = replace(found.k_range_parts, discretisation=math.inf)

@@ -17,8 +17,9 @@ from fretfe.analytic.edges import oscillation
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.factors import K_T_LENGTH, factors_at, pressed_on
 from fretfe.evaluate.increments import ContactSteps, Cycle, UnitFactors
-from fretfe.evaluate.numerics import last_known
-from fretfe.evaluate.plane.edge_fits import edge_fits
+from fretfe.evaluate.loaded import evaluated_states, normal_force, with_own_cycle
+from fretfe.evaluate.numerics import last_known, most_loaded
+from fretfe.evaluate.plane.edge_fits import edge_fits, with_areas
 from fretfe.evaluate.plane.edges import PlaneEdges, with_stiff_elements
 from fretfe.evaluate.plane.half_planes import (
     full_stick_shear_force,
@@ -52,8 +53,9 @@ def evaluate_plane(
     edges = plane_edges(solution, contact, find_units)
     resultants = plane_resultants(contact, edges.centre)
     k_i = resultants["normal_force"] / (np.pi * np.sqrt(2 * edges.half_width))
+    own = edges.steps.solution
     stations = [
-        with_lack(solution, contact, with_stiff_elements(each, contact, solution.degree, k_i))
+        with_lack(own, contact, with_stiff_elements(each, contact, solution.degree, k_i))
         for each in edges.stations(told)
     ]
     work, spread = (float(each.sum()) for each in edges.works)
@@ -76,14 +78,18 @@ def plane_edges(solution: Solution, contact: ContactHistory, find_units: FindUni
         contact: one of its contacts.
         find_units: gives the singular factors for a unit of each driver.
     """
-    steps = ContactSteps.of(solution, contact)
-    fits = edge_fits(contact, solution.source)
+    own, force = with_own_cycle(solution, contact), normal_force(contact)
+    steps = ContactSteps.of(own, contact, solution)
+    states = evaluated_states(own, contact)
+    fits = with_areas(
+        edge_fits(contact, solution.source), contact, states, most_loaded(force, states)
+    )
     positions = np.array([fit.position for fit in fits])
     factors = steps.histories(find_units(solution, contact, positions), alone=False)
     frictions = [contact.edge_friction(each) for each in positions]
-    cycle, beta = cycle_states(solution.cycle), contact.surface.dundurs
+    cycle, beta = cycle_states(own.cycle), contact.surface.dundurs
     a = last_known((positions[1] - positions[0]) / 2, cycle)
-    own = zip(factors.ways.mean(axis=0), frictions, strict=True)
+    histories = zip(factors.ways.mean(axis=0), frictions, strict=True)
     return PlaneEdges(
         contact=contact,
         steps=steps,
@@ -91,8 +97,9 @@ def plane_edges(solution: Solution, contact: ContactHistory, find_units: FindUni
         factors=factors,
         frictions=frictions,
         half_widths=np.full(len(fits), a),
-        pressed=[pressed_on(each, beta, 2 * a, friction, cycle) for each, friction in own],
+        pressed=[pressed_on(each, beta, 2 * a, friction, cycle) for each, friction in histories],
         last=int(cycle[-1]) if len(cycle) else len(solution.times) - 1,
+        force=force,
         works=(_friction_work(solution, contact), _work_spread(solution, contact)),
     )
 

@@ -11,9 +11,9 @@ import numpy as np
 from fretfe._typing import Indices
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.loaded import evaluated_states
 from fretfe.evaluate.plane.pressure_fit import why_no_root
 from fretfe.evaluate.plane.section import main_patch, plane_front
-from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory, Solution
 
@@ -31,24 +31,18 @@ def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> 
     """
     if station.lack.whole:
         return station
-    states = evaluated_states(solution)
+    states = evaluated_states(solution, contact)
     located = bool(np.isfinite(station.position[states]).all())
     ranged = math.isfinite(station.k_t_range) and (located or math.isfinite(station.k_range_spread))
     if not ranged:
         station = replace(station, k_t_range=math.nan, k_s_range=math.nan, k_range=math.nan)
-    unknown = contact.exists[station.last] and not math.isfinite(station.last_k_n[0])
+    unknown = contact.exists[station.decisive] and not math.isfinite(station.decisive_k_n[0])
     if not unknown and (ranged or solution.cycle is None):
         return station
     if station.dissipation == 0 and contact.friction.acts.any():
         # Of so few nodes that none slips: that is no measure of it.
         station = replace(station, dissipation_spread=math.inf)
     return replace(station, lack=_reason(contact, station, states))
-
-
-def evaluated_states(solution: Solution) -> Indices:
-    """States of the evaluated cycle, or the last one."""
-    states = cycle_states(solution.cycle)
-    return states if len(states) else np.array([len(solution.times) - 1])
 
 
 def _reason(contact: ContactHistory, station: Station, states: Indices) -> Withheld:

@@ -61,8 +61,8 @@ class FrontEdges(EdgeData):
         """An edge in words, for messages."""
         return f"contact {self.contact.name}, {self.name}, station {number}"
 
-    def place(self, number: int) -> tuple[Array, Frame]:
-        """Point (3,) and frame on the reference front."""
+    def place(self, number: int, state: int) -> tuple[Array, Frame]:
+        """Point (3,) and frame on the reference front, whatever the state."""
         frames = self.track.front.frames
         frame = Frame(frames.inward[number], frames.along[number], frames.across[number])
         return frames.points[number], frame

@@ -13,6 +13,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front
 from fretfe.evaluate.factors import FactorHistories, pressed_on, rotated
 from fretfe.evaluate.increments import ContactSteps, UnitFactors
+from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.space.edges import FrontEdges, moved_stations
@@ -94,10 +95,11 @@ def front_edges(
 ) -> Iterator[FrontEdges]:
     """The edges along each front of a contact, of unlike bodies at the reference length 1."""
     steps, slip, first = (
-        ContactSteps.of(solution, contact),
+        ContactSteps.of(solution, contact, solution),
         SlipBetween(contact, solution.least_slip),
         0,
     )
+    force = normal_force(contact)
     for number, track in enumerate(tracks):
         own = slice(first, first + len(track.front.sectors))
         first = own.stop
@@ -115,6 +117,7 @@ def front_edges(
             half_widths=track.front.depth,
             pressed=_pressed(steps, track, factors, frictions),
             last=track.state,
+            force=force,
         )
 
 

@@ -592,8 +592,8 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
 
 
 def _mean_k_n(station: Station) -> tuple[float, float]:
-    """K_N in the last state, and its error bar; of unlike bodies that without shear."""
-    k_n, bar = station.last_k_n
+    """K_N in the state `last`, and its error bar; of unlike bodies that without shear."""
+    k_n, bar = float(station.k_n[station.last]), float(station.k_n_spread[station.last])
     if not station.oscillation:
         return k_n, bar
     predicted = [each.prediction for each in station.slip_zones if each.prediction > 0]

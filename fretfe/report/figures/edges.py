@@ -95,7 +95,7 @@ AREAS_INTRO = (
 STYLES = ((BLUE, "-", "o"), (VERMILLION, "--", "s"), (GREEN, ":", "^"))
 FRONTS_INTRO = (
     "Stations along the boundary of the contact area, over their distance along it. K_N is that of "
-    "the last state; ΔK_T, ΔK_S and their vector sum |ΔK| are ranges over the evaluated cycle. "
+    "the largest P; ΔK_T, ΔK_S and their vector sum |ΔK| are ranges over the evaluated cycle. "
     "Error bars are meant to contain the true value with a probability of 95 %. d is the width of "
     "the slip zone, inward, in that of the last two half cycles where it is longer at the "
     "station: by the plane problem next to each station, "

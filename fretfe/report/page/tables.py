@@ -56,7 +56,7 @@ def station_table(run: Result) -> Table | None:
     if not any(contact.fronts for contact in run.contacts):
         return None
     edges = [edge for contact in run.contacts for edge in contact.stations]
-    if not run.solid and not any(np.isfinite(edge.position[edge.last]) for edge in edges):
+    if not run.solid and not any(np.isfinite(edge.position[edge.decisive]) for edge in edges):
         return None
     return _front_table(run) if run.solid else _edge_table(run)
 
@@ -94,7 +94,7 @@ def _edge_cells(edge: Station) -> list[str]:
     predicted = [edge.told_prediction(zone) for zone in zones]
     known = " / ".join(number(each, 3) for each in predicted if math.isfinite(each)) or MISSING
     return [
-        number(edge.position[edge.last]),
+        number(edge.position[edge.decisive]),
         marked(number(edge.reported_k_n), edge.uncertain),
         marked(number(edge.reported_range), edge.uncertain_range),
         (" / ".join(measured) or MISSING) + _counted_from(edge, zones),
@@ -112,7 +112,7 @@ def _or_bound(zone: SlipZone, length: str) -> str:
 
 def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
     """A line with the edge's positions when slip zones end, if the table has it elsewhere."""
-    here = float(edge.position[edge.last])
+    here = float(edge.position[edge.decisive])
     places = [float(edge.position[zone.end]) for zone in zones]
     if not any(
         abs(then - here) > SAME_PLACE * zone.reported_length
@@ -170,7 +170,7 @@ def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tup
     return (
         _range(normal / scale),
         _range(np.where(none, 0.0, shear) / scale),
-        number(contact.half_width[last]),
+        number(contact.half_width[contact.stations[0].decisive]),
         _steady(contact),
         number(contact.cycle_change),
     )
@@ -409,7 +409,7 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
     return EdgeAnswer(
         contact=contact.name,
         side=edge.front,
-        position=number(float(edge.position[edge.last])),
+        position=number(float(edge.position[edge.decisive])),
         k_n=with_error(*K_N.read(edge)),
         k_t_range=with_error(*K_RANGE.read(edge)),
         uncertain=edge.uncertain and math.isfinite(edge.reported_k_n),

@@ -159,7 +159,12 @@ def test_no_beta_is_the_limit() -> None:
         (front,) = evaluate_fronts(solution, contact, (track,))
         numbers.append(
             [
-                [*each.last_k_n, each.k_range, each.k_range_spread, each.slip_zones[-1].prediction]
+                [
+                    *each.decisive_k_n,
+                    each.k_range,
+                    each.k_range_spread,
+                    each.slip_zones[-1].prediction,
+                ]
                 for each in front.stations
             ]
         )

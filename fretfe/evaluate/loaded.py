@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""States in which a contact is loaded: those of its own cycle, and the one that decides.
+
+A mission that begins or ends without load, or lifts the bodies off in between, has no edge in some
+of its states. Each plane contact is then evaluated over the run of states in which it has edges,
+with what lies outside in the error bar of the range.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.contacts import CountedCycles
+from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.numerics import most_loaded
+from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import blocks
+
+# Part of the largest P up to which a state whose contact has too few nodes is left out.
+SMALL_LOAD = 0.1
+# Part of the largest P below which a contact carries nothing but round-off.
+NO_LOAD = 1e-6
+# Power of P with which K_T of a cylinder grows where P and Q do so together; of flats it is 1.
+GROWTH = 0.75
+
+
+def normal_force(contact: ContactHistory) -> Array:
+    """(T,) P of a contact, by the means of the pressure around its nodes."""
+    states = blocks(len(contact.mean_traction), contact.mean_traction[0].size)
+    found = [contact.mean_traction[each, :, 0] @ contact.surface.weights for each in states]
+    return np.concatenate(found)
+
+
+def decisive_state(force: Array, cycle: Indices, ends: Indices, cycles: CountedCycles) -> int:
+    """The state at which K_N, position and width of an edge are reported.
+
+    Of irregular loads the reversal of the worst counted cycle with the larger P, otherwise the end
+    of a step with the largest P of the cycle, or of all without one.
+
+    Args:
+        force: (T,) P.
+        cycle: states of the evaluated cycle, empty without one.
+        ends: states at the ends of steps.
+        cycles: counted at the edge.
+    """
+    if cycles.irregular:
+        worst = cycles.worst
+        return most_loaded(force, np.array([cycles.start[worst], cycles.end[worst]]))
+    inside = ends[np.isin(ends, cycle)] if len(cycle) else ends
+    return most_loaded(force, inside if len(inside) else cycle)
+
+
+def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
+    """The solution with the part of its cycle in which a plane contact has edges as its cycle.
+
+    That is the run of such states that has the largest P. One of several patches has its intervals.
+    """
+    if solution.cycle is None or contact.node_range is not None:
+        return solution
+    first, last = solution.cycle
+    force = normal_force(contact)
+    runs = np.flatnonzero(
+        np.diff(_with_edges(contact, force, first, last), prepend=False, append=False)
+    )
+    if not len(runs):
+        return solution
+    heaviest = most_loaded(force, np.arange(first, last + 1)) - first
+    begin, end = next(pair for pair in runs.reshape(-1, 2) if pair[0] <= heaviest < pair[1])
+    own = (first + int(begin), first + int(end) - 1)
+    return replace(solution, cycle=own) if own[0] < own[1] else solution
+
+
+def evaluated_states(solution: Solution, contact: ContactHistory) -> Indices:
+    """States of the evaluated cycle, without one the one that decides."""
+    if solution.cycle is not None:
+        return np.arange(solution.cycle[0], solution.cycle[1] + 1)
+    return np.array([most_loaded(normal_force(contact), solution.ends)])
+
+
+def _with_edges(contact: ContactHistory, force: Array, first: int, last: int) -> Bools:
+    """(n,) states of a cycle in which a contact has edges; none if P is too small for that."""
+    share = force[first : last + 1] / max(float(force.max()), np.finfo(float).tiny)
+    few = contact.nodes_pressed_in(np.arange(first, last + 1)) < WANTED_NODES
+    edges = (share > NO_LOAD) & ~(few & (share <= SMALL_LOAD * share.max()))
+    return edges & bool(share.max() > NO_LOAD)
+
+
+def left_out(cycle: tuple[int, int] | None, states: Indices, force: Array) -> float:
+    """Part of the range of K_T that may lie in the states of a cycle that are left out.
+
+    Args:
+        cycle: first and last state of all of it.
+        states: of its part over which the range is taken.
+        force: (T,) P.
+    """
+    if cycle is None or not len(states):
+        return 0.0
+    ends = [mine for mine, whole in zip(states[[0, -1]], cycle, strict=True) if mine != whole]
+    share = force[ends].max(initial=0.0) / force[states].max()
+    return float(max(share, 0.0) ** GROWTH)
