@@ -376,8 +376,8 @@ class Station(StationHistory):
         stiffening: relative growth of dP/da with the half-width a in the last state, from the same
             two loads; it tells how long a slip zone may be for the edge description. Of solids by
             `length`, the depth of the contact and the bend of the front.
-        lack: why K_N in the state `decisive`, or the range, or nothing at all is known: it is no edge
-            as the bodies go on behind it, or fretfe failed.
+        lack: why K_N in the state `decisive`, or the range, or nothing at all is known: it is no
+            edge as the bodies go on behind it, or fretfe failed.
         k_angle: in degrees, between -90 and 90.
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
             if the factors are known in closed form at any time, NaN if nothing can be compared.

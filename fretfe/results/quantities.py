@@ -122,7 +122,8 @@ def _number(name: str, meaning: str = "", read: str = "") -> Column:
     Args:
         name: of the column.
         meaning: in words; empty for that of the field.
-        read: attribute to read, of a history in the state that decides; empty for the field of this name.
+        read: attribute to read, of a history in the state that decides; empty for the field of this
+            name.
     """
     attribute, field = read or name, NUMBERS[name if name in NUMBERS else read]
 
