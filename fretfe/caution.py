@@ -135,7 +135,13 @@ class Kind(StrEnum):
         "more than 2 % of the range of K_T may lie between the steps",
         "take more steps per cycle",
     )
-    GROSS_SLIP = ("gross slip", "gross slip", "the whole contact slips in a half cycle")
+    GROSS_SLIP = (
+        "gross slip",
+        "gross slip",
+        "the whole contact slips in a half cycle",
+        "there is no slip zone then, and K_T is no measure of what happens; finer elements do not "
+        "change that",
+    )
     NOT_RESOLVED = (
         "slip zone not resolved",
         "a slip zone is not resolved",

@@ -123,7 +123,7 @@ class HalfPlaneBackend(Backend):
             if lost
             else evaluate(solution, outcome.unit_factors, reference_length=told)
         )
-        divided = division_notes(solution.ends)
+        divided = division_notes(solution)
         notes = (*problem.notes, *divided, *(each.text for each in solution.repeats))
         if problem.dundurs:
             beta = f"Dundurs' beta = {problem.dundurs:.3g}"

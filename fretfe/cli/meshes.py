@@ -78,10 +78,12 @@ def _print(checked: Checked) -> None:
             highlight=False,
         )
     modes = checked.restrained_modes
+    free = []
     for motion in dict.fromkeys(modes.values()):
         names = [name for name, own in modes.items() if own == motion]
-        free = f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} free {motion}"
-        console.print(f"Note: without contact {free}.", highlight=False, markup=False)
+        free.append(f"{' and '.join(names)} {'is' if len(names) == 1 else 'are'} free {motion}")
+    if free:
+        console.print(f"Note: without contact {'; '.join(free)}.", highlight=False, markup=False)
     for note in checked.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
     cycle = "no cycle to evaluate"

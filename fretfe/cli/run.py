@@ -160,7 +160,7 @@ def _finish_run(
 
 
 def _print_numbers(console: Console, result: Result) -> None:
-    from fretfe.report.page.evaluated import cycle_sentences
+    from fretfe.report.page.headline import headline
     from fretfe.report.page.tables import (
         contact_table,
         cycle_table,
@@ -176,9 +176,9 @@ def _print_numbers(console: Console, result: Result) -> None:
 
         return guarded(name, make, failed)
 
-    cycle = shown("evaluated cycle", lambda: cycle_sentences(result)) or ""
+    first = shown("first lines", lambda: headline(result).lines) or ()
     fronts = shown("worst stations", lambda: front_texts(result)) if result.solid else ()
-    for text in filter(None, (cycle, *(fronts or ()))):
+    for text in (*first, *(fronts or ())):
         console.print(text, highlight=False, markup=False)
     tables = [
         shown("table of contacts", lambda: contact_table(result)),

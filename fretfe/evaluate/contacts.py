@@ -759,6 +759,12 @@ class Contact:
     dissipation_change: Annotated[
         float, Quantity("", "relative change of that from the cycle before")
     ]
+    sliding_share: Annotated[
+        float, Quantity("", "share of the time of the cycle in which all of the contact slips")
+    ] = 0.0
+    sliding_range: Annotated[
+        float, Quantity("length", "range of the mean slip of the contact in that time")
+    ] = 0.0
     lack: Withheld = TOLD
     warnings: tuple[Caution, ...]
     patches: tuple[AreaPatch, ...] = ()

@@ -20,6 +20,7 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
+from fretfe.evaluate.slip import whole_sliding
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
 from fretfe.evaluate.withheld import Lack, Withheld, failed
 from fretfe.faults import Fault, guarded
@@ -138,10 +139,13 @@ def _evaluate_contact(
             found = _of_half(solution, contact, whole.image, found)
         loaded = with_own_cycle(solution, whole.contact)
         warnings = plane_warnings(loaded, whole.contact, found["fronts"], changes)
+    share, reach = whole_sliding(solution, contact)
     return Contact(
         name=contact.name,
         pair=contact.pair,
         **found,
+        sliding_share=share,
+        sliding_range=reach,
         cycle_change=changes[0],
         steady=bool(changes[0] < STEADY_CHANGE),
         dissipation_change=_dissipation_change(solution, contact, found["work"]),

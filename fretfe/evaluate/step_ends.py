@@ -51,17 +51,19 @@ def at_step_ends(
     )
 
 
-def division_notes(ends: Indices) -> tuple[str, ...]:
-    """Which of n steps were divided, in words.
+def division_notes(solution: Solution) -> tuple[str, ...]:
+    """Which steps of the evaluated cycle, or of all, were divided, in words.
 
-    Args:
-        ends: (n + 1,) states at their ends, the unloaded one first.
+    Steps before the cycle are no concern of a reader unless there may be no more parts.
     """
-    parts = np.diff(ends)
-    if not np.any(parts > 1):
+    parts, first = np.diff(solution.ends), 0
+    if solution.cycle is not None and parts.max(initial=1) < MOST_PARTS:
+        first = solution.step_of(solution.cycle[0])
+    divided = first + np.flatnonzero(parts[first:] > 1) + 1
+    divided = divided[divided > 1] if parts.max(initial=1) < MOST_PARTS else divided
+    if not len(divided):
         return ()
-    divided = np.flatnonzero(parts > 1) + 1
-    fewest, most = parts[divided - 1].min(), parts.max()
+    fewest, most = parts[divided - 1].min(), parts[divided - 1].max()
     number = f"{fewest}" if fewest == most else f"{fewest} to {most}"
     limit = ", the most there may be" if most == MOST_PARTS else ""
     return (

@@ -79,6 +79,8 @@ def plane_warnings(
     yield from about(name, "", _patches(contact))
     if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
+    if any(zone.gross for station in stations for zone in station.slip_zones[-2:]):
+        yield from about(name, "", [(Kind.GROSS_SLIP, "the whole contact slides in the cycle")])
     for station in stations:
         yield from about(name, station.front, _uncertain(station, linear=solution.degree == 1))
     for station in stations:
@@ -372,8 +374,10 @@ def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
         # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
         kind = Kind.K_N_LINEAR if linear else Kind.K_N_UNCERTAIN
         k_n, spread = station.decisive_k_n
-        bar = f" ± {spread:.2g}" if math.isfinite(spread) else ", without an error bar"
-        yield kind, f"K_N is {k_n:.3g}{bar}"
+        if math.isnan(station.reported_k_n):
+            yield kind, "K_N is unknown, as its error bar is more than half of it"
+        else:
+            yield kind, f"K_N is known to {spread / k_n:.0%} only"
     steps = station.k_range_parts.steps
     # A range beside K_T itself that is round-off has no share that steps could be wrong by.
     some = station.k_t_range > ROUND_OFF * float(np.nanmax(np.abs(station.k_t), initial=0.0))
@@ -383,9 +387,6 @@ def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
             f"the range of K_T may be {steps / station.k_t_range:.1%} off by what happens between "
             "the steps",
         )
-    if any(zone.gross for zone in station.slip_zones[-2:]):
-        irregular = station.cycles.irregular
-        which = "in the worst counted cycle" if irregular else "in the last half cycles"
-        yield Kind.GROSS_SLIP, f"gross slip {which}"
-    elif any(not zone.resolved for zone in station.slip_zones[-2:]):
+    zones = station.slip_zones[-2:]
+    if not any(zone.gross for zone in zones) and any(not zone.resolved for zone in zones):
         yield Kind.NOT_RESOLVED, "the slip zone is not resolved by the mesh"

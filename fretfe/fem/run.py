@@ -203,7 +203,7 @@ class _Run:
         if tracks is not None and case.edges.local:
             with clock("local problems"):
                 contacts = self._local_problems(solution, contacts)
-        divided = division_notes(solution.ends)
+        divided = division_notes(solution)
         solution, contacts = at_step_ends(solution, contacts)
         self._solution, self._contacts = solution, contacts
         repeats, told = (each.text for each in solution.repeats), case.edges.reference_length

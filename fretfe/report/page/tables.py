@@ -8,7 +8,6 @@ edge factors, slip zones, and whether the edge formulas describe them.
 from __future__ import annotations
 
 import math
-from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -19,9 +18,9 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
-from fretfe.evaluate.verdicts import judge, longest_verdict
+from fretfe.evaluate.verdicts import judge
 from fretfe.evaluate.withheld import Lack
-from fretfe.report.page.evaluated import cycle_sentences
+from fretfe.report.page.headline import headline
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
@@ -91,7 +90,7 @@ def _edge_cells(edge: Station) -> list[str]:
     measured = [
         _or_bound(zone, marked(number(zone.reported_length, 3), zone.uncertain)) for zone in zones
     ]
-    predicted = [edge.told_prediction(zone) for zone in zones]
+    predicted = [edge.told_prediction(zone) for zone in zones if not zone.gross]
     known = " / ".join(number(each, 3) for each in predicted if math.isfinite(each)) or MISSING
     return [
         number(edge.position[edge.decisive]),
@@ -313,13 +312,6 @@ def _front_table(run: Result) -> Table:
     return table
 
 
-def _count_verdicts(stations: Iterable[Station]) -> Counter[Verdict]:
-    """Numbers of the stations by the verdict on their longer slip zone, unknown ones included."""
-    words = Counter(longest_verdict(each).verdict for each in stations)
-    del words[Verdict.NO_ZONE]
-    return words
-
-
 def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
     """Cells of the range of the numbers of all stations."""
     halves = [
@@ -432,35 +424,19 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     )
 
 
-def summary(run: Result, answers: tuple[EdgeAnswer, ...]) -> tuple[str, ...]:
-    """The answer in a few sentences: cycle, slip zones, or contacts of solids, solution."""
-    irregular = any(e.cycles.irregular for c in run.contacts for e in c.stations)
-    edges = [each for contact in run.contacts for each in contact.stations]
-    none = _no_zones(edges)
-    first = front_texts(run) if run.solid else (_zone_text(answers, irregular, none),)
-    texts = (cycle_sentences(run), *first, _step_text(run), _steady_text(run))
-    return tuple(text for text in texts if text)
+def summary(run: Result) -> tuple[str, ...]:
+    """The answer in a few sentences: the first lines, fronts of solids, solution."""
+    fronts = front_texts(run) if run.solid else ()
+    return tuple(filter(None, (*headline(run).lines, *fronts, _step_text(run))))
 
 
 def front_texts(run: Result) -> tuple[str, ...]:
-    """The worst stations of each front of solids, verdicts, and the ends of open fronts."""
+    """The worst stations of each front of solids, and the ends of open fronts."""
     named = [(contact, front) for contact in run.contacts for front in contact.fronts]
     if not named:
         return ("No boundary of a contact area could be found: there are no edge factors.",)
     worst = [text for contact, front in named if (text := _worst_text(run, contact, front))]
-    stations = [station for _, front in named for station in front.stations]
-    words = _count_verdicts(stations)
-    text = f"{len(named)} contact front{'' if len(named) == 1 else 's'} with {len(stations)} "
-    if not words:
-        return (*worst, f"{text}stations, {_no_zones(stations)}.")
-    zones = [zone for station in stations if (zone := station.longest_zone)]
-    local = sum(math.isfinite(zone.local) for zone in zones)
-    by = f", by the plane problem next to the station at {local} of them," if local else ""
-    text += (
-        f"stations. At {words[Verdict.AGREES]} of {words.total()} the longer of the last two slip "
-        f"zones found{by} {_agreement(words)}"
-    )
-    return tuple(filter(None, (*worst, text, _work_text(run), _end_text(run, named))))
+    return tuple(filter(None, (*worst, _work_text(run), _end_text(run, named))))
 
 
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
@@ -585,34 +561,6 @@ def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> 
     )
 
 
-def _no_zones(stations: Sequence[Station]) -> str:
-    """Words in place of slip zones: there are none, or nothing is known of them."""
-    unknown = not stations or any(each.lack.whole for each in stations)
-    return "slip zones unknown" if unknown else "no slip zones"
-
-
-def _zone_text(answers: tuple[EdgeAnswer, ...], irregular: bool, none: str) -> str:
-    words = Counter(zone.verdict for answer in answers for zone in answer.zones)
-    if not words:
-        return f"{len(answers)} contact edges, {none}."
-    which = f"last {words.total()} half cycles"
-    if irregular:
-        which = f"{words.total()} half cycles of the worst counted cycles"
-    return (
-        f"{len(answers)} contact edges. In {words[Verdict.AGREES]} of the {which} the slip zone "
-        f"found {_agreement(words)}"
-    )
-
-
-def _agreement(words: Counter[Verdict]) -> str:
-    """End of a sentence on slip zones, with the numbers of those that do not agree."""
-    others = ", ".join(
-        f"{count} {word}" for word, count in words.items() if word is not Verdict.AGREES
-    )
-    told = f" ({others})" if others else ""
-    return f"agrees with the one predicted by the edge factors{told}."
-
-
 def _step_text(run: Result) -> str:
     solution = run.solution
     if run.failure is not None:
@@ -622,12 +570,3 @@ def _step_text(run: Result) -> str:
         f"All {len(solution.times) - 1} load steps are solved; the largest violation of a contact "
         f"condition is {number(worst, 2)} of its scale."
     )
-
-
-def _steady_text(run: Result) -> str:
-    if run.loads.cycle is None:
-        return ""
-    changing = [contact.name for contact in run.contacts if not contact.steady]
-    if changing:
-        return f"The evaluated cycle is not steady, or not known to be, at {', '.join(changing)}."
-    return "The evaluated cycle is steady."

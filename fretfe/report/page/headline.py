@@ -1,0 +1,186 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The first lines of a run, in the terminal and in the report: the worst edge, and its trust."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from fretfe.caution import Kind
+from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Station
+from fretfe.evaluate.verdicts import longest_verdict, withheld
+from fretfe.report.page.evaluated import cycle_sentences
+from fretfe.report.texts import number, percent, with_error
+from fretfe.results.model import Result
+from fretfe.results.quantities import K_N, K_RANGE
+from fretfe.verdict import Verdict
+
+
+@dataclass(frozen=True)
+class Headline:
+    """The answer of a run in a few sentences; a sentence that has nothing to say is empty.
+
+    Attributes:
+        worst: the edge or station of the largest range, where it is, its numbers with their bars,
+            and what they are compared with.
+        trust: whether these can be trusted, and why not.
+        sliding: contacts that slide as a whole, how far, with which work, and for how long.
+        agreement: how many edges or stations agree with what is predicted.
+        cycle: the evaluated cycle.
+    """
+
+    worst: str
+    trust: str
+    sliding: str
+    agreement: str
+    cycle: str
+
+    @property
+    def lines(self) -> tuple[str, ...]:
+        """The sentences that there are, the answer first."""
+        told = (self.worst, self.trust, self.sliding, self.agreement, self.cycle)
+        return tuple(filter(None, told))
+
+
+def headline(run: Result) -> Headline:
+    """The first lines of a run."""
+    worst = _worst(run)
+    if worst is None:
+        text, trust = _nothing(run), ""
+    else:
+        text, trust = _numbers(run, *worst), _trust(run, *worst)
+    return Headline(text, trust, _sliding(run), _agreement(run), cycle_sentences(run))
+
+
+def _worst(run: Result) -> tuple[Contact, Station] | None:
+    """The station of the largest range; of what else is known where no range is."""
+    known = [
+        (contact, station)
+        for contact in run.contacts
+        for front in contact.fronts
+        for station in front.judged
+        if math.isfinite(station.reported_range) or math.isfinite(station.reported_k_n)
+    ]
+    return max(known, key=lambda each: _severity(each[1]), default=None)
+
+
+def _severity(station: Station) -> tuple[float, float]:
+    """The range, then K_N; below zero what is not known."""
+    numbers = (station.reported_range, station.reported_k_n)
+    return tuple(each if math.isfinite(each) else -1.0 for each in numbers)  # type: ignore[return-value]
+
+
+def _nothing(run: Result) -> str:
+    """Words in place of the worst edge where neither K_N nor a range is known."""
+    reasons = [
+        f"{contact.name_of(station)}: {why}"
+        for contact in run.contacts
+        for station in contact.stations
+        if (why := withheld(station))
+    ]
+    if not run.contacts or not reasons:
+        return ""
+    return f"No edge has a known K_N or range of K_T ({reasons[0]})."
+
+
+def _numbers(run: Result, contact: Contact, station: Station) -> str:
+    zone, verdict = station.longest_zone, longest_verdict(station).verdict
+    k_n, k_range = (with_error(*each.read(station)) for each in (K_N, K_RANGE))
+    time = f"{run.loads.times[station.decisive]:.6g} {run.case.units.time}"
+    symbol = "|ΔK|" if contact.solid or station.k_s_range > 0 else "ΔK_T"
+    texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}"]
+    if run.loads.cycle is not None:
+        texts.append(f"{symbol} {_known(k_range, run.unit('k_t'))}")
+    if zone is not None and zone.gross:
+        texts.append("the whole contact slides there")
+    elif zone is not None:
+        found = _known(with_error(*zone.told), run.unit("length"))
+        texts.append(f"d {found} ({_compared(run, station, verdict)})")
+    return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}."
+
+
+def _known(text: str, unit: str) -> str:
+    return "unknown" if text == "-" else f"{text} {unit}"
+
+
+def _compared(run: Result, station: Station, verdict: Verdict) -> str:
+    zone = station.longest_zone
+    assert zone is not None
+    predicted = station.told_prediction(zone)
+    if math.isnan(predicted):
+        return f"nothing predicted, {verdict}"
+    return f"predicted {number(predicted, 3)}: {verdict}"
+
+
+def _place(run: Result, contact: Contact, station: Station) -> str:
+    unit = run.case.units.length
+    if not contact.solid:
+        x = number(float(station.position[station.decisive]))
+        return f"{contact.name}, {station.front} edge, x = {x} {unit}"
+    return f"station {contact.name_of(station)}, {number(station.arc, 3)} {unit} along the front"
+
+
+def _trust(run: Result, contact: Contact, station: Station) -> str:
+    doubts = list(_doubts(run, contact, station))
+    if not doubts:
+        return "To be trusted: the cycle is steady, the mesh resolves it, no limit is exceeded."
+    return f"Not to be trusted as it stands: {'; '.join(doubts)}."
+
+
+def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
+    """Reasons to doubt the numbers of a station."""
+    if run.failure is not None:
+        yield "the run is not complete"
+    elif run.loads.cycle is None:
+        yield "there is no evaluated cycle"
+    elif math.isfinite(contact.cycle_change) and not contact.steady:
+        yield "the cycle is not steady"
+    lost = withheld(station)
+    for symbol, quantity in (("K_N", K_N), ("ΔK", K_RANGE)):
+        value, bar = quantity.read(station)
+        ranged = quantity is K_N or run.loads.cycle is not None
+        if math.isnan(value) and ranged:
+            yield lost or f"{symbol} is unknown"
+        elif bar > LARGEST_SPREAD * value:
+            yield f"{symbol} is known to {percent(bar / value, 0)} only"
+    if longest_verdict(station).verdict is Verdict.NOT_RESOLVED:
+        yield "the mesh does not resolve the slip zone"
+    exceeded = [each for each in run.limits if each.exceeded or each.doubtful]
+    if exceeded:
+        kinds = dict.fromkeys(each.caution.kind.heading for each in exceeded)
+        yield f"outside the limits of the model ({', '.join(kinds)})"
+    if any(each.kind is Kind.FAULT for each in run.warnings):
+        yield "an error of fretfe left numbers unknown"
+
+
+def _sliding(run: Result) -> str:
+    """Contacts of which all slips at a time, in one sentence."""
+    texts = [
+        f"{contact.name} in {percent(contact.sliding_share, 0)} of the time, by "
+        f"{number(contact.sliding_range, 3)} {run.unit('length')}, friction work "
+        f"{number(contact.reported_dissipation, 3)} {run.unit('work')}"
+        for contact in run.contacts
+        if contact.sliding_share > 0
+    ]
+    if not texts:
+        return ""
+    what = "cycle" if run.loads.cycle is not None else "history"
+    return f"Slides as a whole in the {what}: {'; '.join(texts)}."
+
+
+def _agreement(run: Result) -> str:
+    """How many edges or stations agree with the prediction on the longest zone of the cycle."""
+    stations = [each for contact in run.contacts for each in contact.stations]
+    words = Counter(longest_verdict(each).verdict for each in stations)
+    del words[Verdict.NO_ZONE]
+    what = "stations" if run.solid else "edges"
+    if not words:
+        unknown = not stations or any(each.lack.whole for each in stations)
+        return f"{len(stations)} {what}, {'slip zones unknown' if unknown else 'no slip zones'}."
+    others = ", ".join(f"{n} {word}" for word, n in words.items() if word is not Verdict.AGREES)
+    return (
+        f"At {words[Verdict.AGREES]} of {words.total()} {what} the longest slip zone agrees with "
+        f"the prediction of the edge factors{f' ({others})' if others else ''}."
+    )
