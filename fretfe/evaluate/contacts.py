@@ -19,7 +19,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.caution import Caution
-from fretfe.evaluate.withheld import TOLD, Withheld
+from fretfe.evaluate.withheld import TOLD, Lack, Withheld
 from fretfe.local.problem import Tractions
 
 # Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
@@ -456,6 +456,11 @@ class Station(StationHistory):
     local: LocalProblem = field(default_factory=lambda: no_local_problem("it was not solved"))
 
     @property
+    def no_edge(self) -> bool:
+        """True at a plane of symmetry, behind which the contact goes on."""
+        return self.lack.kind is Lack.NO_EDGE
+
+    @property
     def reported_dissipation(self) -> float:
         """Friction work; NaN if its error bar is larger."""
         return _reported_work(self.dissipation, self.dissipation_spread)
@@ -809,6 +814,11 @@ class Contact:
         lengths = [(front.local_length, front.length) for front in self.fronts]
         known, whole = np.sum(lengths, axis=0) if lengths else (0.0, math.nan)
         return float(known / whole)
+
+    @property
+    def edges(self) -> tuple[Station, ...]:
+        """The stations but for ends at planes of symmetry, which are no edges."""
+        return tuple(station for station in self.stations if not station.no_edge)
 
     def name_of(self, station: Station) -> str:
         """Name of one of its stations: CONTACT.left or CONTACT.right in the plane.

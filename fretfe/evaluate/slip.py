@@ -98,7 +98,7 @@ def slip_in_steps(
 
 
 def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, float]:
-    """Share of the time of the cycle, or of all, in which all of a contact slips, and how far.
+    """Share of the time of the cycle, or of all, in which a contact slips as a whole, and how far.
 
     How far is the range of the mean slip of its nodes that adds up in those steps.
     """
@@ -109,7 +109,8 @@ def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, f
         slip = slip_in_steps(contact, begin, end, solution.least_slip)
         closed = np.asarray(contact.status[begin + 1 : end + 1]) != OPEN
         moving = np.linalg.norm(slip, axis=2) > 0
-        whole.append(closed.any(axis=1) & (moving | ~closed).all(axis=1))
+        rough = contact.friction.acts[begin + 1 : end + 1]
+        whole.append(rough & closed.any(axis=1) & (moving | ~closed).all(axis=1))
         shares = closed * contact.surface.weights
         shares = shares / np.maximum(shares.sum(axis=1), np.finfo(float).tiny)[:, None]
         moves.append(np.einsum("tn,tnc->tc", shares, slip))

@@ -15,7 +15,7 @@ from fretfe.analytic.paths import reversals
 from fretfe.caution import Caution, Kind, about
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
-from fretfe.evaluate.loaded import evaluated_states
+from fretfe.evaluate.loaded import SMALL_LOAD, evaluated_states, normal_force
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
@@ -242,7 +242,8 @@ def _nothing_known(contact: str, fronts: Sequence[Front]) -> Iterator[Caution]:
     """Stations of fronts of which nothing is known, and why; in the plane a front has one."""
     for front in fronts:
         count = len(front.stations)
-        lacks = Counter(each.lack for each in front.stations if each.lack.whole)
+        whole = [each for each in front.stations if each.lack.whole and not each.no_edge]
+        lacks = Counter(each.lack for each in whole)
         for lack, number in lacks.items():
             stations = f"{number} of {count} stations " if count > 1 else ""
             finding = Kind.NOTHING_KNOWN, f"{stations}unknown, because {lack.text}"
@@ -292,11 +293,13 @@ def _patches(contact: ContactHistory) -> Iterator[Finding]:
             f"not there all the time, as one of several patches of {contact.pair!r}: it "
             f"{'; it '.join(contact.events)}",
         )
-    shares = []
+    shares, force = [], normal_force(contact)
     for states in blocks(len(contact.traction), contact.traction[0].size):
         pressure = contact.traction[states, :, 0]
         borders = np.diff(pressure > 0, axis=1, prepend=False, append=False)
         apart = np.count_nonzero(borders, axis=1) > 2
+        # What lies apart as the bodies are about to part matters nothing.
+        apart &= force[states] > SMALL_LOAD * force.max()
         shares += [_main_share(contact.surface.arc, state) for state in pressure[apart]]
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:

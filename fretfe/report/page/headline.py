@@ -29,6 +29,7 @@ class Headline:
         sliding: contacts that slide as a whole, how far, with which work, and for how long.
         agreement: how many edges or stations agree with what is predicted.
         cycle: the evaluated cycle.
+        half: contacts of which the model has the half.
     """
 
     worst: str
@@ -36,11 +37,12 @@ class Headline:
     sliding: str
     agreement: str
     cycle: str
+    half: str
 
     @property
     def lines(self) -> tuple[str, ...]:
         """The sentences that there are, the answer first."""
-        told = (self.worst, self.trust, self.sliding, self.agreement, self.cycle)
+        told = (self.worst, self.trust, self.sliding, self.agreement, self.cycle, self.half)
         return tuple(filter(None, told))
 
 
@@ -51,7 +53,8 @@ def headline(run: Result) -> Headline:
         text, trust = _nothing(run), ""
     else:
         text, trust = _numbers(run, *worst), _trust(run, *worst)
-    return Headline(text, trust, _sliding(run), _agreement(run), cycle_sentences(run))
+    rest = _sliding(run), _agreement(run), cycle_sentences(run), _half_model(run)
+    return Headline(text, trust, *rest)
 
 
 def _worst(run: Result) -> tuple[Contact, Station] | None:
@@ -89,16 +92,19 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     zone, verdict = station.longest_zone, longest_verdict(station).verdict
     k_n, k_range = (with_error(*each.read(station)) for each in (K_N, K_RANGE))
     time = f"{run.loads.times[station.decisive]:.6g} {run.case.units.time}"
-    symbol = "|ΔK|" if contact.solid or station.k_s_range > 0 else "ΔK_T"
     texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}"]
-    if run.loads.cycle is not None:
-        texts.append(f"{symbol} {_known(k_range, run.unit('k_t'))}")
+    if run.loads.cycle is not None and station.friction > 0:
+        texts.append(f"{_range_symbol(contact, station)} {_known(k_range, run.unit('k_t'))}")
     if zone is not None and zone.gross:
         texts.append("the whole contact slides there")
     elif zone is not None:
         found = _known(with_error(*zone.told), run.unit("length"))
         texts.append(f"d {found} ({_compared(run, station, verdict)})")
     return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}."
+
+
+def _range_symbol(contact: Contact, station: Station) -> str:
+    return "|ΔK|" if contact.solid or station.k_s_range > 0 else "ΔK_T"
 
 
 def _known(text: str, unit: str) -> str:
@@ -125,7 +131,10 @@ def _place(run: Result, contact: Contact, station: Station) -> str:
 def _trust(run: Result, contact: Contact, station: Station) -> str:
     doubts = list(_doubts(run, contact, station))
     if not doubts:
-        return "To be trusted: the cycle is steady, the mesh resolves it, no limit is exceeded."
+        steady = "the cycle is steady, " if contact.steady else ""
+        zone = station.longest_zone
+        slides = ", but K_T is no measure where all slides" if zone and zone.gross else ""
+        return f"To be trusted: {steady}the mesh resolves it, no limit is exceeded{slides}."
     return f"Not to be trusted as it stands: {'; '.join(doubts)}."
 
 
@@ -133,14 +142,14 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     """Reasons to doubt the numbers of a station."""
     if run.failure is not None:
         yield "the run is not complete"
-    elif run.loads.cycle is None:
+    elif run.loads.cycle is None and station.friction > 0:
         yield "there is no evaluated cycle"
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"
     lost = withheld(station)
-    for symbol, quantity in (("K_N", K_N), ("ΔK", K_RANGE)):
+    for symbol, quantity in (("K_N", K_N), (_range_symbol(contact, station), K_RANGE)):
         value, bar = quantity.read(station)
-        ranged = quantity is K_N or run.loads.cycle is not None
+        ranged = quantity is K_N or (run.loads.cycle is not None and station.friction > 0)
         if math.isnan(value) and ranged:
             yield lost or f"{symbol} is unknown"
         elif bar > LARGEST_SPREAD * value:
@@ -172,15 +181,30 @@ def _sliding(run: Result) -> str:
 
 def _agreement(run: Result) -> str:
     """How many edges or stations agree with the prediction on the longest zone of the cycle."""
-    stations = [each for contact in run.contacts for each in contact.stations]
+    stations = [each for contact in run.contacts for each in contact.edges]
+    if stations and not any(each.friction > 0 for each in stations):
+        return f"{len(stations)} {_what(run, len(stations))} without friction."
     words = Counter(longest_verdict(each).verdict for each in stations)
     del words[Verdict.NO_ZONE]
-    what = "stations" if run.solid else "edges"
     if not words:
         unknown = not stations or any(each.lack.whole for each in stations)
+        what = _what(run, len(stations))
         return f"{len(stations)} {what}, {'slip zones unknown' if unknown else 'no slip zones'}."
     others = ", ".join(f"{n} {word}" for word, n in words.items() if word is not Verdict.AGREES)
+    what = _what(run, words.total())
     return (
         f"At {words[Verdict.AGREES]} of {words.total()} {what} the longest slip zone agrees with "
         f"the prediction of the edge factors{f' ({others})' if others else ''}."
     )
+
+
+def _what(run: Result, count: int) -> str:
+    return ("station" if run.solid else "edge") + ("" if count == 1 else "s")
+
+
+def _half_model(run: Result) -> str:
+    """Contacts that end at a plane of symmetry, of which only the half is there."""
+    names = [each.name for each in run.contacts if len(each.edges) < len(each.stations)]
+    if not names:
+        return ""
+    return f"Half model: {', '.join(names)} ends at a plane of symmetry; P and Q are the half."

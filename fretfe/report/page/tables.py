@@ -73,7 +73,7 @@ def _edge_table(run: Result) -> Table:
     headers = ("contact", "edge", "x", "K_N", ranges, "slip zones", "predicted")
     table = plain_table(title, headers, text=2)
     for contact in run.contacts:
-        for edge in contact.stations:
+        for edge in contact.edges:
             table.add_row(contact.name, edge.front, *_edge_cells(edge))
     return table
 
@@ -393,7 +393,7 @@ def edge_answers(run: Result) -> tuple[EdgeAnswer, ...]:
         _edge_answer(run, contact, edge)
         for contact in run.contacts
         if not contact.solid
-        for edge in contact.stations
+        for edge in contact.edges
     )
 
 
