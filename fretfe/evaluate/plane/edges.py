@@ -201,16 +201,18 @@ def moved_edge(
     patches = [main_patch(contact.surface.arc, pressure) for pressure in neighbours.pressure]
     fit = fit_edge(front.section(contact.surface.arc, neighbours.pressure, patches), solved=True)
     outward = -front.inward * float(fit.position[1] - fit.position[0])
-    if not outward > SMALLEST_MOVE * np.ptp(contact.surface.arc):
+    # A jammed blade root presses less when it is pulled more: its edges move inward then.
+    moved = abs(outward)
+    if not moved > SMALLEST_MOVE * np.ptp(contact.surface.arc):
         return unknown
     # The last way is the one with the largest circle, which the edge stays away from.
     k_i = float(neighbours.k_i[-1, front.number])
     growth = float(np.log(fit.k_n[1] / fit.k_n[0]) / outward)
     k_n = 2 * k_i / outward
-    shift = float(np.linalg.norm(fit.spread_position)) / outward
+    shift = float(np.linalg.norm(fit.spread_position)) / moved
     # If the edge moved less than it seems by as much, K_N is larger by more than that.
     between = shift / (1 - shift) if shift < 1 else np.inf
-    spread = abs(k_n) * between + float(np.ptp(neighbours.k_i[:, front.number])) / outward
+    spread = abs(k_n) * between + float(np.ptp(neighbours.k_i[:, front.number])) / moved
     return MovedEdge(k_n, spread, stiffening=growth + 0.5 / half_width)
 
 
