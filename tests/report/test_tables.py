@@ -22,6 +22,7 @@ from fretfe.quality.comparison import Row, print_rows
 from fretfe.quality.rows import Row as Checked
 from fretfe.quality.validation import Validation, print_validation
 from fretfe.report.figures.edges import _zones
+from fretfe.report.page.headline import headline
 from fretfe.report.page.tables import contact_table, front_texts, station_table, timing_table
 from fretfe.report.texts import number, print_whole, with_error, with_prefix
 from fretfe.results.model import Result
@@ -107,7 +108,7 @@ def test_fronts_fit_and_have_the_plane_problem(
 
 
 def test_the_first_lines_have_the_worst_stations(sphere: Result) -> None:
-    first, second = front_texts(sphere)
+    (first,) = front_texts(sphere)
     worst = sphere.contacts[0].stations[11]
     assert first.startswith(
         "main, front 1: |ΔK|/(f K_N) is largest at station main.1.0, 0 mm along"
@@ -121,8 +122,6 @@ def test_the_first_lines_have_the_worst_stations(sphere: Result) -> None:
         worst.decisive_k_n, (worst.reported_range, worst.k_range_spread)
     ))  # fmt: skip
     assert f"K_N {k_n} MPa/√mm, |ΔK| {k_range} MPa·√mm, d" in first
-    assert second.startswith("1 contact front with 12 stations. At ")
-    assert "by the plane problem next to the station at 12 of them" in second
 
 
 def test_a_length_that_stands_alone_is_that_of_the_longer_half_cycle(sphere: Result) -> None:
@@ -131,9 +130,9 @@ def test_a_length_that_stands_alone_is_that_of_the_longer_half_cycle(sphere: Res
     short = zone(local=0.0276, local_spread=0.0013, predicted_loop=0.027)
     for zones in ((long, short), (short, long)):
         result = with_stations(sphere, partial(replace, slip_zones=zones))
-        first, second = front_texts(result)
+        (first,) = front_texts(result)
         assert first.endswith("d 0.0934 ± 0.0031 mm.")
-        assert "At 12 of 12 the longer of the last two slip zones found" in second
+        assert "At 12 of 12 stations the longest slip zone agrees" in headline(result).agreement
         table = station_table(result)
         assert table is not None
         *_, slip, predicted = (list(column.cells) for column in table.columns)

@@ -93,7 +93,7 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     k_n, k_range = (with_error(*each.read(station)) for each in (K_N, K_RANGE))
     time = f"{run.loads.times[station.decisive]:.6g} {run.case.units.time}"
     texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}"]
-    if run.loads.cycle is not None and station.friction > 0:
+    if run.loads.cycle is not None and station.friction != 0:
         texts.append(f"{_range_symbol(contact, station)} {_known(k_range, run.unit('k_t'))}")
     if zone is not None and zone.gross:
         texts.append("the whole contact slides there")
@@ -142,14 +142,14 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     """Reasons to doubt the numbers of a station."""
     if run.failure is not None:
         yield "the run is not complete"
-    elif run.loads.cycle is None and station.friction > 0:
+    elif run.loads.cycle is None and station.friction != 0:
         yield "there is no evaluated cycle"
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"
     lost = withheld(station)
     for symbol, quantity in (("K_N", K_N), (_range_symbol(contact, station), K_RANGE)):
         value, bar = quantity.read(station)
-        ranged = quantity is K_N or (run.loads.cycle is not None and station.friction > 0)
+        ranged = quantity is K_N or (run.loads.cycle is not None and station.friction != 0)
         if math.isnan(value) and ranged:
             yield lost or f"{symbol} is unknown"
         elif bar > LARGEST_SPREAD * value:
@@ -182,7 +182,7 @@ def _sliding(run: Result) -> str:
 def _agreement(run: Result) -> str:
     """How many edges or stations agree with the prediction on the longest zone of the cycle."""
     stations = [each for contact in run.contacts for each in contact.edges]
-    if stations and not any(each.friction > 0 for each in stations):
+    if stations and all(each.friction == 0 for each in stations):
         return f"{len(stations)} {_what(run, len(stations))} without friction."
     words = Counter(longest_verdict(each).verdict for each in stations)
     del words[Verdict.NO_ZONE]

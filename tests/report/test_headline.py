@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The first lines of a run: which edge is worst, what it is compared with, and whether to trust."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+
+import pytest
+from cases.stored_runs import solved
+
+from fretfe.caution import Kind
+from fretfe.evaluate.contacts import Contact, Station, fronts_of
+from fretfe.evaluate.limits import ModelLimit
+from fretfe.evaluate.withheld import Lack, Withheld
+from fretfe.report.page.headline import headline
+from fretfe.report.texts import number, with_error
+from fretfe.results.model import Result
+
+
+def changed(change: Callable[[Station], Station], **of_contact: object) -> Result:
+    """The half-planes with other stations, and other numbers of their contact."""
+    result = solved("halfplane")
+    (contact,) = result.contacts
+    fronts = fronts_of(change(each) for each in contact.stations)
+    other: Contact = replace(contact, fronts=fronts, **of_contact)  # type: ignore[arg-type]
+    return replace(result, contacts=(other,))
+
+
+def same(station: Station) -> Station:
+    return station
+
+
+def test_the_worst_edge_is_that_of_the_largest_range() -> None:
+    def wider(station: Station) -> Station:
+        factor = 1.5 if station.front == "right" else 1.0
+        return replace(station, k_range=factor * station.k_range)
+
+    found = headline(changed(wider))
+    worst = solved("halfplane").contacts[0].stations[1]
+    zone = worst.longest_zone
+    assert zone is not None
+    assert found.worst.startswith("Worst: main, right edge, x = ")
+    assert f"K_N {with_error(*worst.decisive_k_n)} MPa/√mm at t = " in found.worst
+    assert f"ΔK_T {with_error(1.5 * worst.k_range, worst.k_range_spread)}" in found.worst
+    assert f"d {with_error(*zone.told)} mm (predicted {number(zone.prediction, 3)}: " in found.worst
+    assert found.lines[0] == found.worst and found.lines[1] == found.trust
+
+
+def test_a_sound_run_is_to_be_trusted() -> None:
+    found = headline(solved("halfplane"))
+    assert found.trust.startswith("To be trusted: the cycle is steady")
+    assert found.agreement.startswith("At 2 of 2 edges the longest slip zone agrees")
+    assert found.sliding == found.half == ""
+
+
+@pytest.mark.parametrize(
+    ("doubt", "change"),
+    [
+        ("the cycle is not steady", lambda: changed(same, steady=False, cycle_change=0.2)),
+        (
+            "K_N is known to 20% only",
+            lambda: changed(lambda each: replace(each, k_n_spread=0.2 * each.k_n)),
+        ),
+        (
+            "ΔK_T is known to 30% only",
+            lambda: changed(lambda each: replace(each, k_range_spread=0.3 * each.k_range)),
+        ),
+        (
+            "the mesh does not resolve the slip zone",
+            lambda: changed(
+                lambda each: replace(
+                    each,
+                    slip_zones=tuple(replace(zone, resolved=False) for zone in each.slip_zones),
+                )
+            ),
+        ),
+        (
+            "outside the limits of the model (large sliding)",
+            lambda: replace(
+                solved("halfplane"), limits=(ModelLimit("main", Kind.SLIDING, "slip", 0.3, 0.1),)
+            ),
+        ),
+    ],
+    ids=["unsteady", "K_N", "range", "zone", "limit"],
+)
+def test_what_is_doubtful_is_said(doubt: str, change: Callable[[], Result]) -> None:
+    found = headline(change())
+    assert found.trust.startswith("Not to be trusted as it stands: ")
+    assert doubt in found.trust
+
+
+def test_contacts_that_slide_as_a_whole_have_a_sentence() -> None:
+    def sliding(station: Station) -> Station:
+        zones = (replace(zone, gross=True, length=math.nan) for zone in station.slip_zones)
+        return replace(station, slip_zones=tuple(zones))
+
+    result = changed(sliding, sliding_share=0.53, sliding_range=0.0283)
+    found, work = headline(result), result.contacts[0].reported_dissipation
+    assert found.sliding == (
+        "Slides as a whole in the cycle: main in 53% of the time, by 0.0283 mm, friction work "
+        f"{number(work, 3)} N·mm/mm."
+    )
+    assert "the whole contact slides there" in found.worst
+    assert "At 0 of 2 edges" in found.agreement and "(2 gross)" in found.agreement
+
+
+def test_an_end_at_a_plane_of_symmetry_is_no_edge() -> None:
+    def half(station: Station) -> Station:
+        lack = Withheld(Lack.NO_EDGE, words="the bodies go on")
+        return replace(station, lack=lack) if station.front == "left" else station
+
+    found = headline(changed(half))
+    assert found.agreement.startswith("At 1 of 1 edge ")
+    assert found.half.startswith("Half model: main ends at a plane of symmetry")
+
+
+def test_nothing_known_has_its_reason() -> None:
+    lost = Withheld(Lack.NO_TRACTIONS)
+    found = headline(
+        changed(
+            lambda each: replace(
+                each, k_n=math.nan * each.k_n, k_range=math.nan, lack=lost, slip_zones=()
+            )
+        )
+    )
+    assert found.worst.startswith("No edge has a known K_N or range of K_T (main.left: ")
+    assert "the tractions of full stick cannot be told" in found.worst and found.trust == ""
