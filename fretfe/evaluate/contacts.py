@@ -281,7 +281,7 @@ class StationHistory:
         default=-1, kw_only=True
     )
     decisive: Annotated[
-        int, Quantity("", "state of the largest P of the cycle, or of the worst counted one")
+        int, Quantity("", "reversal of the worst cycle with the larger P: of K_N and position")
     ] = field(default=-1, kw_only=True)
 
     @property

@@ -37,7 +37,7 @@ def normal_force(contact: ContactHistory) -> Array:
 def decisive_state(force: Array, cycle: Indices, ends: Indices, cycles: CountedCycles) -> int:
     """The state at which K_N, position and width of an edge are reported.
 
-    Of irregular loads the reversal of the worst counted cycle with the larger P, otherwise the end
+    The reversal of the worst counted cycle with the larger P; where no cycles are counted the end
     of a step with the largest P of the cycle, or of all without one.
 
     Args:
@@ -46,9 +46,9 @@ def decisive_state(force: Array, cycle: Indices, ends: Indices, cycles: CountedC
         ends: states at the ends of steps.
         cycles: counted at the edge.
     """
-    if cycles.irregular:
+    if len(cycles.count):
         worst = cycles.worst
-        return most_loaded(force, np.array([cycles.start[worst], cycles.end[worst]]))
+        return most_loaded(force, np.sort([cycles.start[worst], cycles.end[worst]]))
     inside = ends[np.isin(ends, cycle)] if len(cycle) else ends
     return most_loaded(force, inside if len(inside) else cycle)
 
