@@ -13,6 +13,7 @@ for plane strain and plane stress (through E*), frictionless or elastically simi
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal, Protocol
@@ -24,6 +25,7 @@ from fretfe._typing import Array
 from fretfe.analytic._numerics import check_positive, check_range, graded_rule, solve_half_width
 
 __all__ = [
+    "FIRST_YIELD",
     "FlatRounded",
     "GeneralProfile",
     "Hertz",
@@ -32,7 +34,12 @@ __all__ = [
     "approach_slope",
     "composite_modulus",
     "edge_factor_k_n",
+    "peak_pressure",
 ]
+
+# Pressure at which a line contact yields below the surface, over the yield stress in tension, by
+# Tresca and without shear (Johnson 1985, section 6.1). Of other pads than cylinders an estimate.
+FIRST_YIELD = 1.67
 
 _RIGHT_ANGLE = np.pi / 2.0
 # Bounds the memory of the quadrature: some megabytes per array.
@@ -207,6 +214,15 @@ def edge_factor_k_n(profile: Profile, half_width: ArrayLike) -> Array:
     """
     a = check_positive("half_width", half_width)
     return np.sqrt(2.0 / a) / np.pi * profile.load_slope(a)
+
+
+def peak_pressure(profile: Profile, half_width: float) -> float:
+    """Return the largest pressure of a pad of one contact zone; infinite for a wedge."""
+    if isinstance(profile, Wedge):
+        return math.inf
+    start = max(profile.kinks, default=0.0)
+    x = np.linspace(start, half_width, 200) if start else np.zeros(1)
+    return float(profile.pressure(x, half_width).max())
 
 
 def approach_slope(half_width: ArrayLike, distance: ArrayLike, e_star: float) -> Array:

@@ -21,10 +21,14 @@ if TYPE_CHECKING:
     from fretfe.matching.choose import Choice
     from fretfe.matching.match import Comparison, Match
     from fretfe.matching.target import Target
+    from fretfe.results.model import Result
+    from fretfe.strength.lives import StrengthTests
     from fretfe.strength.margins import Margin, StrengthMap
 
 # Part of ΔK_T below which ΔK_I is none.
 SMALL = 0.01
+# Tests that are listed with the reason why they are left out.
+MOST_LEFT_OUT = 8
 
 MATCH_EXAMPLES = examples(
     "fretfe match dovetail --edge left.right --rig rig.toml -o tests",
@@ -233,7 +237,11 @@ def strength(
     ],
     results: Annotated[
         list[Path],
-        typer.Argument(metavar="DIR...", help="Folders with results.", show_default=False),
+        typer.Argument(
+            metavar="DIR...",
+            help="Folders with results, or case files that half-planes can solve.",
+            show_default=False,
+        ),
     ],
     life: Annotated[float, typer.Option(help="Cycles that the component has to reach.")],
     output: Annotated[
@@ -250,10 +258,10 @@ def strength(
         return
     import json
 
-    from fretfe.api import load_result, strength_map
+    from fretfe.api import strength_map
     from fretfe.strength.files import strength_numbers, write_map
 
-    found = strength_map(tests, [load_result(each) for each in results], life)
+    found = strength_map(tests, [_component_result(each) for each in results], life)
     if as_json:
         print(json.dumps(strength_numbers(found), indent=1, allow_nan=False))
     else:
@@ -266,6 +274,13 @@ def strength(
         if not as_json:
             names = " and ".join(path.name for path in files)
             print(f"{names} in {output}")
+
+
+def _component_result(path: Path) -> Result:
+    """The result in a folder, or that of a case by half-planes, which takes a second or two."""
+    from fretfe.api import load_case, load_result, run
+
+    return run(load_case(path), "halfplane") if path.suffix == ".toml" else load_result(path)
 
 
 def _shown(found: StrengthMap) -> list[Margin]:
@@ -312,15 +327,46 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
             f"log10 N = {c0:.4g} {c1:+.3g} log10 ΔK_T {c2:+.3g} log10 K_N, scatter "
             f"{fit.scatter:.2g}, from {fit.failures} failures and {fit.runouts} run-outs"
         )
+    count = int(found.tests.inside.sum())
+    texts += _outside_texts(found.tests)
+    texts += [f"Note: {text}" for text in found.tests.notes]
     said: dict[str, list[str]] = {}
     for each in shown:
-        if each.reason:
-            said.setdefault(f"unknown, because {each.reason}", []).append(each.edge.name)
-        if each.tests and each.tests < len(found.tests.life):
-            text = f"{each.tests} of {len(found.tests.life)} tests have its friction and material"
+        if each.tests and each.tests < count:
+            text = f"{each.tests} of {count} tests have its friction and material"
             said.setdefault(text, []).append(each.edge.name)
         for remark in each.edge.remarks:
             said.setdefault(remark, []).append(each.edge.name)
     for result in found.without_edges:
         said.setdefault("the result has no edges whose factors are known", []).append(result)
-    return texts + [f"Note: {', '.join(names)}: {text}" for text, names in said.items()]
+    texts += [f"Note: {', '.join(names)}: {text}" for text, names in said.items()]
+    return [*texts, *(_expectation(each, found.life) for each in shown)]
+
+
+def _outside_texts(tests: StrengthTests) -> Iterator[str]:
+    """Tests that are left out, each with its reason."""
+    left_out = [each for each in zip(tests.lines, tests.outside, strict=True) if each[1]]
+    for line, reason in left_out[:MOST_LEFT_OUT]:
+        yield f"Note: line {line} of {tests.path.name} is left out: {reason}"
+    if len(left_out) > MOST_LEFT_OUT:
+        yield f"Note: {len(left_out) - MOST_LEFT_OUT} more are left out: see strength.json"
+
+
+def _expectation(margin: Margin, life: float) -> str:
+    """What is to be expected of an edge, and why."""
+    edge = margin.edge
+    if margin.reason:
+        return f"{edge.name}: unknown at {life:g} cycles, because {margin.reason}"
+    if margin.low > 1:
+        expected = "expected to survive"
+    elif margin.high < 1:
+        expected = "expected to fail within"
+    else:
+        expected = "may fail within or survive"
+    bar = max(margin.high - margin.margin, margin.margin - margin.low)
+    return (
+        f"{edge.name}: {expected} {life:g} cycles, because its ΔK_T is {number(edge.k_t_range, 3)} "
+        f"and half of all specimens last so long at {number(margin.strength, 3)}, with K_N "
+        f"{number(edge.k_n, 3)}: margin {margin.margin:.2f} ± {bar:.2f} "
+        f"({number(margin.low, 3)} to {number(margin.high, 3)} for 95 % of parts)"
+    )

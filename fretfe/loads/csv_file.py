@@ -19,7 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 from fretfe.case.base import LARGEST
 from fretfe.case.messages import shortened
 from fretfe.errors import CaseError
@@ -54,12 +54,14 @@ class Table:
         columns: by name.
         lines: of the rows.
         units: cells of a row of units below the header; none without. Nothing is converted.
+        marked: (n,) rows with a mark in the column that may have one; (0,) if none may.
     """
 
     path: Path
     columns: dict[str, Array]
     lines: Sequence[int]
     units: tuple[str, ...] = ()
+    marked: Bools = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     def require_increasing(self, name: str, what: str) -> None:
         """Check that a column increases strictly; `what` it holds is for the message.
@@ -88,6 +90,7 @@ def read_table(
     names: Sequence[str],
     optional: Sequence[str] = (),
     separator: str | None = None,
+    mark: tuple[str, re.Pattern[str]] | None = None,
 ) -> Table:
     """Read columns of finite numbers.
 
@@ -98,6 +101,7 @@ def read_table(
         names: of the columns.
         optional: names of columns that are read if the file has them.
         separator: one of `SEPARATORS`; None if the file tells it.
+        mark: name of a column, and what may stand beside its numbers.
 
     Raises:
         CaseError: file, line and column of what is not as expected.
@@ -114,11 +118,15 @@ def read_table(
         first = next(rows, None)
     if first is None:
         raise CaseError(f"{path}: expected rows of numbers below the header, found none")
-    if path.stat().st_size > LARGE and (found := _at_once(path, delimiter, first[0], len(header))):
+    if (
+        path.stat().st_size > LARGE
+        and not mark
+        and (found := _at_once(path, delimiter, first[0], len(header)))
+    ):
         values, start = found
         return Table(path, dict(zip(wanted, values[places], strict=True)), start, units)
     numbers = _Numbers(path, header, decimal_comma=delimiter != ",")
-    data, lines = array("d"), array("l")
+    data, lines, marked = array("d"), array("l"), []
     for line, cells in chain([first], rows):
         _require_no_more_cells(path, line, cells, header)
         if len(lines) == MOST_ROWS:
@@ -126,9 +134,20 @@ def read_table(
                 f"{path}: line {line}: expected at most {MOST_ROWS:,} rows of numbers, found more"
             )
         lines.append(line)
+        if mark is not None:
+            marked.append(_take_mark(cells, header.index(mark[0]), mark[1]))
         data.extend(numbers.read(line, cells, place) for place in places)
     columns = np.array(data).reshape(len(lines), len(wanted)).T
-    return Table(path, dict(zip(wanted, columns, strict=True)), lines, units)
+    named = dict(zip(wanted, columns, strict=True))
+    return Table(path, named, lines, units, np.array(marked, dtype=bool))
+
+
+def _take_mark(cells: list[str], place: int, mark: re.Pattern[str]) -> bool:
+    """Take what may stand beside a number out of its cell; true if it was there."""
+    if place >= len(cells):
+        return False
+    cells[place], count = mark.subn("", cells[place].strip())
+    return count > 0
 
 
 def _are_units(cells: Sequence[str]) -> bool:

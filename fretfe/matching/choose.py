@@ -16,7 +16,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fretfe._typing import Array
-from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
+from fretfe.analytic.profiles import FIRST_YIELD, FlatRounded, Hertz, Profile, Wedge
 from fretfe.errors import ModelError
 from fretfe.matching.pads import Factors, PadTest, pad_test
 from fretfe.matching.rig import Rig, Shape
@@ -31,9 +31,6 @@ LISTED = 5
 SAMPLES = 40
 # Difference of misfits that is none.
 AS_GOOD = 0.01
-# Pressure at which a line contact yields below the surface, over the yield stress in tension, by
-# Tresca and without shear (Johnson 1985, section 6.1). Of other pads than cylinders an estimate.
-YIELD = 1.67
 # Half-width of a contact over that of a body up to which there is a body around it.
 WIDEST = 0.5
 # Margin that stands for values that are infinite or not known, over the limit.
@@ -252,7 +249,7 @@ def _bounds(rig: Rig, shape: Shape) -> tuple[Bound, ...]:
     # The pressure of a wedge is infinite at its tip: there is no limit that it could keep.
     if strength is not None and shape != "wedge":
         name = "largest pressure, by the yield stress"
-        bounds.append(Bound(name, lambda test: test.peak_pressure, 0.0, YIELD * strength))
+        bounds.append(Bound(name, lambda test: test.peak_pressure, 0.0, FIRST_YIELD * strength))
     if shape == "flat_rounded":
         # The rounded ends must reach the sides of a pad wide enough for the contact.
         bounds.append(Bound("contact beyond the flat over the radius",

@@ -14,7 +14,14 @@ import numpy as np
 from scipy.optimize import brentq
 
 from fretfe.analytic.edges import factor_range_phase_shifted, mixed_asymptote_error
-from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
+from fretfe.analytic.profiles import (
+    FlatRounded,
+    Hertz,
+    Profile,
+    Wedge,
+    edge_factor_k_n,
+    peak_pressure,
+)
 from fretfe.errors import ModelError
 
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(16)
@@ -80,12 +87,7 @@ class PadTest:
     @property
     def peak_pressure(self) -> float:
         """Largest pressure at the largest normal force; infinite for a wedge."""
-        a = self.widest
-        if isinstance(self.profile, Wedge):
-            return math.inf
-        start = max(self.profile.kinks, default=0.0)
-        x = np.linspace(start, a, 200) if start else np.zeros(1)
-        return float(self.profile.pressure(x, a).max())
+        return peak_pressure(self.profile, self.widest)
 
     @property
     def shear_ratio(self) -> float:

@@ -86,7 +86,7 @@ def write_strength(found: StrengthMap, path: Path) -> None:
 def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:
     tests = found.tests
     lives = LogNorm(tests.life.min(), max(tests.life.max(), 1.01 * tests.life.min()))
-    failed, ended = ~tests.runout, tests.runout
+    failed, ended = ~tests.runout & tests.inside, tests.runout & tests.inside
     image = axes.scatter(
         tests.k_n[failed], tests.k_t_range[failed], c=tests.life[failed],
         s=26, cmap=COLOURS, norm=lives, label="test, failed", zorder=2,
@@ -95,6 +95,11 @@ def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:
         axes.scatter(
             tests.k_n[ended], tests.k_t_range[ended], s=34, marker="^", facecolors="none",
             edgecolors=GREY, linewidths=1.1, label="test, run-out", zorder=2,
+        )  # fmt: skip
+    if not tests.inside.all():
+        axes.scatter(
+            tests.k_n[~tests.inside], tests.k_t_range[~tests.inside], s=26, marker="x", color=GREY,
+            linewidths=1.1, label="test outside the edge formulas", zorder=2,
         )  # fmt: skip
     bar = figure.colorbar(image, ax=axes, label="life of failed tests [cycles]", pad=0.02)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda life, _: f"{life:.0e}"))
@@ -166,6 +171,12 @@ def strength_numbers(found: StrengthMap) -> dict[str, Any]:
             "file": str(tests.path),
             "count": len(tests.life),
             "runouts": int(tests.runout.sum()),
+            "outside": [
+                {"line": line, "reason": reason}
+                for line, reason in zip(tests.lines, tests.outside, strict=True)
+                if reason
+            ],
+            "notes": list(tests.notes),
         },
         "units": {"length": tests.units.length, "stress": tests.units.stress},
         "life": found.life,

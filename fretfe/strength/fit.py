@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Laboratory tests from a CSV file, and their life over the edge factors by maximum likelihood.
+"""The life of laboratory tests over their edge factors, by maximum likelihood.
 
-The file has edge factors, lives and run-outs; units stand in its header. Run-outs are censored: the
-logarithm of the life of a test is taken as normal about a plane,
+Run-outs are censored: the logarithm of the life of a test is taken as normal about a plane,
 
     log10 N = c0 + c1 log10 ΔK_T + c2 log10 K_N + s ε,
 
@@ -13,10 +12,7 @@ Methods for Reliability Data, chapter 17). Where all tests have the same K_N, c2
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterable
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from scipy.optimize import minimize
@@ -24,25 +20,7 @@ from scipy.stats import norm
 from scipy.stats import t as student
 
 from fretfe._typing import Array, Bools
-from fretfe.case import Units
-from fretfe.errors import CaseError
-from fretfe.loads.csv_file import Table, possible_headers, read_table
 
-PLAIN = ("life", "runout", "friction", "young", "poisson")
-FACTORS = ("k_n", "dk_t")
-# K_N √l0/σ0 and ΔK_T/(σ0 √l0), with the stress σ0 and the length l0.
-RATIOS = ("k_n_ratio", "dk_t_ratio", "stress", "length")
-# Units of the columns that have one.
-UNITS = {
-    "k_n": "{stress}/{length}^0.5",
-    "dk_t": "{stress}*{length}^0.5",
-    "young": "{stress}",
-    "stress": "{stress}",
-    "length": "{length}",
-}
-# What may stand in brackets behind the name of another column: it has no unit.
-NO_UNITS = ("", "-", "1", "cycle", "cycles")
-FORMAT = "see docs/strength.md"
 # Failures beyond the number of coefficients that a scatter is taken from.
 SPARE = 4
 # K_N (or ΔK_T) that vary by less than this factor are the same.
@@ -51,141 +29,6 @@ SAME = 1.02
 WORST = 1e3
 # Coverage of intervals, two-sided.
 COVERAGE = 0.95
-
-
-@dataclass(frozen=True)
-class StrengthTests:
-    """Tests, n of them; factors in the units that are given.
-
-    Attributes:
-        path: of the file.
-        units: of lengths and stresses.
-        k_n, k_t_range: (n,) K_N and ΔK_T at the edge where the specimen failed or could have.
-        life: (n,) cycles to failure, or to the end of the test.
-        runout: (n,) whether the test ended without failure.
-        friction: (n,) coefficient.
-        young, poisson: (n,) of the specimen.
-    """
-
-    path: Path
-    units: Units
-    k_n: Array
-    k_t_range: Array
-    life: Array
-    runout: Bools
-    friction: Array
-    young: Array
-    poisson: Array
-
-
-def read_tests(path: Path, units: Units) -> StrengthTests:
-    """Read tests.
-
-    Args:
-        path: CSV file with a header whose names have their units in brackets.
-        units: of the results that the tests are compared with; others are refused.
-
-    Raises:
-        CaseError: file, line and column of what is not as expected.
-    """
-    headers = possible_headers(path)
-    known = {*PLAIN, *FACTORS, *RATIOS}
-    header = max(headers, key=lambda names: len(known & {_split(name)[0] for name in names}))
-    columns = _columns(path, header, units)
-    table = read_table(path, list(columns.values()))
-    values = {name: table.columns[column] for name, column in columns.items()}
-    for name, given in values.items():
-        if name not in ("runout", "poisson"):
-            _refuse(table, columns[name], given <= 0, "a number > 0")
-    poisson, runout = values["poisson"], values["runout"]
-    _refuse(
-        table, columns["poisson"], (poisson <= -1) | (poisson >= 0.5), "a number > -1 and < 0.5"
-    )
-    wrong = (runout != 0) & (runout != 1)
-    _refuse(table, columns["runout"], wrong, "1 for a run-out or 0 for a failure")
-    k_n, k_t_range = _factors(values)
-    return StrengthTests(
-        path=path,
-        units=units,
-        k_n=k_n,
-        k_t_range=k_t_range,
-        life=values["life"],
-        runout=np.asarray(runout == 1),
-        friction=values["friction"],
-        young=values["young"],
-        poisson=poisson,
-    )
-
-
-def same_unit(one: str, two: str) -> bool:
-    """True if two units are written alike but for roots, products and spaces."""
-    return _unit(one) == _unit(two)
-
-
-def _unit(text: str) -> str:
-    text = re.sub(r"√\(?([^\s)·*/]+)\)?|sqrt\(([^)]*)\)", r"\1\2^0.5", text)
-    return re.sub(r"[\s·*]+", "*", text.strip()).replace("^(1/2)", "^0.5").replace("**", "^")
-
-
-def _split(name: str) -> tuple[str, str | None]:
-    """Name and unit of a column; None without a unit."""
-    found = re.fullmatch(r"\s*([^\[\]]*?)\s*(?:\[(.*)\])?\s*", name)
-    return (found[1].lower(), found[2]) if found else (name, None)
-
-
-def _columns(path: Path, header: Iterable[str], units: Units) -> dict[str, str]:
-    """Columns of the file by their names without units."""
-    found: dict[str, tuple[str, str | None]] = {}
-    for column in header:
-        name, unit = _split(column)
-        if name in found:
-            raise CaseError(f"{path}: line 1: expected one column {name!r}, found two")
-        found[name] = (column, unit)
-    kinds = [each for each in (FACTORS, RATIOS) if set(each[:2]) & set(found)]
-    if len(kinds) != 1:
-        raise CaseError(
-            f"{path}: line 1: expected either k_n and dk_t or k_n_ratio and dk_t_ratio, found "
-            f"{'both' if kinds else ', '.join(map(repr, found)) or 'nothing'} ({FORMAT})"
-        )
-    wanted = (*kinds[0], *PLAIN)
-    for name in wanted:
-        if name not in found:
-            listed = ", ".join(map(repr, found))
-            raise CaseError(
-                f"{path}: line 1: expected a column {name!r}, found {listed} ({FORMAT})"
-            )
-        _require_unit(path, name, found[name][1], units)
-    return {name: found[name][0] for name in wanted}
-
-
-def _require_unit(path: Path, name: str, unit: str | None, units: Units) -> None:
-    if name not in UNITS:
-        if unit is not None and unit.strip() not in NO_UNITS:
-            raise CaseError(
-                f"{path}: line 1, column {name!r}: expected no unit, found [{unit}]: numbers are "
-                "never converted"
-            )
-        return
-    expected = UNITS[name].format(**units.model_dump())
-    if unit is None or not same_unit(unit, expected):
-        found = "none" if unit is None else f"[{unit}]"
-        raise CaseError(
-            f"{path}: line 1, column {name!r}: expected the unit of the results, [{expected}], "
-            f"found {found}: numbers are never converted"
-        )
-
-
-def _factors(values: dict[str, Array]) -> tuple[Array, Array]:
-    if "k_n" in values:
-        return values["k_n"], values["dk_t"]
-    stress, root = values["stress"], np.sqrt(values["length"])
-    return values["k_n_ratio"] * stress / root, values["dk_t_ratio"] * stress * root
-
-
-def _refuse(table: Table, column: str, wrong: Bools, expected: str) -> None:
-    """Complain about the first of the rows (n,) that are wrong."""
-    if wrong.any():
-        table.complain(int(np.argmax(wrong)), column, expected)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,8 @@ from fretfe.case import AnyBody, isotropic
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.results.model import Result
-from fretfe.strength.fit import SAME, LifeFit, StrengthTests, fit_life, read_tests
+from fretfe.strength.fit import SAME, LifeFit, fit_life
+from fretfe.strength.lives import StrengthTests, read_tests
 
 # f ΔK_I over ΔK_T above which the normal load varies, and turning above which (K_T, K_S) does.
 SMALL = 0.05
@@ -247,12 +248,16 @@ def strength_map(tests: Path | str, results: Sequence[Result], life: float) -> S
 def _margin(
     tests: StrengthTests, edge: ComponentEdge, life: float, fits: dict[bytes, LifeFit | str]
 ) -> Margin:
-    chosen = _agreeing(tests, edge)
+    agreeing = _agreeing(tests, edge)
+    chosen = agreeing & tests.inside
     count = int(np.count_nonzero(chosen))
     if edge.obstacle:
         return Margin(edge, count, None, edge.obstacle)
-    if not count:
+    if not agreeing.any():
         return Margin(edge, 0, None, _disagreement(tests, edge))
+    if not count:
+        text = "all tests with its friction and material lie outside the edge formulas"
+        return Margin(edge, 0, None, text)
     key = chosen.tobytes()
     if key not in fits:
         fits[key] = fit_life(

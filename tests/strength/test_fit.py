@@ -24,7 +24,9 @@ from fretfe.case import Units
 from fretfe.errors import CaseError, ConvergenceError
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
-from fretfe.strength.fit import LifeFit, fit_life, read_tests, same_unit
+from fretfe.strength.columns import same_unit
+from fretfe.strength.fit import LifeFit, fit_life
+from fretfe.strength.lives import read_tests
 
 HEADER = "k_n [MPa/mm^0.5],dk_t [MPa*mm^0.5],life,runout,friction,young [MPa],poisson"
 # log10 N = 11.8 - 4 log10 ΔK_T - 0.3 log10 (K_N/1000), and its scatter.
@@ -344,7 +346,7 @@ ROW = "1000,40,1e5,0,0.4,210e3,0.3"
         (
             HEADER.replace(" [MPa*mm^0.5]", ""),
             ROW,
-            r"column 'dk_t': .* found none: numbers are nev",
+            r"column 'dk_t': .* found none: it is never conv",
         ),
         (HEADER.replace("life", "cycles"), ROW, "line 1: expected a column 'life', found 'k_n', "),
         (HEADER.replace("k_n ", "kn ").replace("dk_t", "kt"), ROW, "expected either k_n and dk_t"),
