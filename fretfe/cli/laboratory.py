@@ -12,7 +12,15 @@ import typer
 
 from fretfe.cli.options import AsJson, Results, examples
 from fretfe.environment import rank_from_environment
-from fretfe.report.texts import MISSING, number, percent, plain_table, print_whole, with_error
+from fretfe.report.texts import (
+    MISSING,
+    number,
+    percent,
+    plain_table,
+    print_whole,
+    rounded,
+    with_error,
+)
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -300,7 +308,7 @@ def _strength_table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
     from fretfe.results.quantities import unit
 
     k_n, k_t = (unit(kind, found.tests.units, solid=False) for kind in ("k_n", "k_t"))
-    title = escape(f"Strength at {found.life:g} cycles, K_N in {k_n}, ΔK_T in {k_t}")
+    title = escape(f"Strength at {number(found.life, 6)} cycles, K_N in {k_n}, ΔK_T in {k_t}")
     headers = ("edge", "K_N", "ΔK_T", "strength", "margin", "95 % of parts")
     table = plain_table(title, headers, text=1)
     for each in shown:
@@ -332,6 +340,8 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     texts += [f"Note: {text}" for text in found.tests.notes]
     said: dict[str, list[str]] = {}
     for each in shown:
+        if each.reason:
+            said.setdefault(f"unknown, because {each.reason}", []).append(each.edge.name)
         if each.tests and each.tests < count:
             text = f"{each.tests} of {count} tests have its friction and material"
             said.setdefault(text, []).append(each.edge.name)
@@ -340,7 +350,11 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     for result in found.without_edges:
         said.setdefault("the result has no edges whose factors are known", []).append(result)
     texts += [f"Note: {', '.join(names)}: {text}" for text, names in said.items()]
-    return [*texts, *(_expectation(each, found.life) for each in shown)]
+    known = [each for each in shown if not each.reason]
+    for result in dict.fromkeys(each.edge.result for each in known):
+        own = (each for each in known if each.edge.result == result)
+        texts.append(_expectation(min(own, key=lambda each: each.margin), found.life))
+    return texts
 
 
 def _outside_texts(tests: StrengthTests) -> Iterator[str]:
@@ -352,21 +366,18 @@ def _outside_texts(tests: StrengthTests) -> Iterator[str]:
         yield f"Note: {len(left_out) - MOST_LEFT_OUT} more are left out: see strength.json"
 
 
-def _expectation(margin: Margin, life: float) -> str:
-    """What is to be expected of an edge, and why."""
-    edge = margin.edge
-    if margin.reason:
-        return f"{edge.name}: unknown at {life:g} cycles, because {margin.reason}"
-    if margin.low > 1:
-        expected = "expected to survive"
-    elif margin.high < 1:
-        expected = "expected to fail within"
-    else:
-        expected = "may fail within or survive"
-    bar = max(margin.high - margin.margin, margin.margin - margin.low)
+def _expectation(worst: Margin, life: float) -> str:
+    """Survival or failure that a component with this smallest margin may expect, and why."""
+    edge = worst.edge
+    expected = "may fail within or survive"
+    if worst.low > 1:
+        expected = "is expected to survive"
+    elif worst.high < 1:
+        expected = "is expected to fail within"
+    bar = max(worst.high - worst.margin, worst.margin - worst.low)
     return (
-        f"{edge.name}: {expected} {life:g} cycles, because its ΔK_T is {number(edge.k_t_range, 3)} "
-        f"and half of all specimens last so long at {number(margin.strength, 3)}, with K_N "
-        f"{number(edge.k_n, 3)}: margin {margin.margin:.2f} ± {bar:.2f} "
-        f"({number(margin.low, 3)} to {number(margin.high, 3)} for 95 % of parts)"
+        f"{edge.result} {expected} {number(life, 6)} cycles, because at {edge.contact} "
+        f"{edge.edge} ΔK_T is {rounded(edge.k_t_range)}, and half of all specimens reach them at "
+        f"{rounded(worst.strength)} with this K_N, {rounded(edge.k_n)}: margin "
+        f"{with_error(worst.margin, bar)}"
     )

@@ -147,7 +147,7 @@ def _named(path: Path, header: Iterable[str]) -> dict[str, tuple[str, str | None
 
 
 def _kind(path: Path, found: Iterable[str]) -> tuple[str, ...]:
-    """What factors come from: loads, only if the file has no factors itself."""
+    """Columns that factors come from: loads, only if the file has no factors itself."""
     kinds = [each for each in KINDS if set(each[:2]) & set(found)]
     if len(kinds) > 1 and LOADS in kinds:
         kinds.remove(LOADS)

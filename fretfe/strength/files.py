@@ -15,6 +15,7 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from fretfe.files import json_value, replace_text, writing
+from fretfe.report.texts import number
 from fretfe.report.theme import (
     COLOURS,
     GREY,
@@ -102,7 +103,7 @@ def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:
             linewidths=1.1, label="test outside the edge formulas", zorder=2,
         )  # fmt: skip
     bar = figure.colorbar(image, ax=axes, label="life of failed tests [cycles]", pad=0.02)
-    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda life, _: f"{life:.0e}"))
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda life, _: number(life, 1)))
     bar.ax.yaxis.set_minor_formatter(FuncFormatter(lambda *_: ""))
 
 
@@ -114,7 +115,7 @@ def _draw_fit(axes: Axes, found: StrengthMap, fit: LifeFit) -> None:
     k_n = np.geomspace(*fit.tested, POINTS)
     strength = np.asarray(fit.strength(k_n, found.life))
     half = np.array([fit.quantile * np.sqrt(sum(fit.variances(x, found.life))) for x in k_n])
-    label = f"strength at {found.life:g} cycles"
+    label = f"strength at {number(found.life, 6)} cycles"
     axes.plot(k_n, strength, color=PURPLE, label=label, zorder=1)
     axes.fill_between(
         k_n, strength / 10**half, strength * 10**half, color=PURPLE, alpha=0.12, lw=0,
@@ -126,7 +127,7 @@ def _draw_edges(axes: Axes, found: StrengthMap) -> None:
     edges = [each.edge for each in found.margins if each.edge.k_t_range > 0 and each.edge.k_n > 0]
     by_edge = len(edges) <= MOST_MARKS
     names = list(dict.fromkeys(each.name if by_edge else each.result for each in edges))
-    for number, name in enumerate(names):
+    for place, name in enumerate(names):
         own = [each for each in edges if (each.name if by_edge else each.result) == name]
         axes.errorbar(
             [each.k_n for each in own],
@@ -134,8 +135,8 @@ def _draw_edges(axes: Axes, found: StrengthMap) -> None:
             xerr=[_bar(each.k_n_spread) for each in own],
             yerr=[_bar(each.k_t_range_spread) for each in own],
             # Edges often agree: the first one is seen around those that cover it.
-            fmt=MARKERS[number % len(MARKERS)],
-            ms=6 + 5 * (len(names) - number - 1) / len(names),
+            fmt=MARKERS[place % len(MARKERS)],
+            ms=6 + 5 * (len(names) - place - 1) / len(names),
             mfc="none", mew=1.4, color=VERMILLION, ls="none", capsize=2, lw=1.0,
             label=name, zorder=3,
         )  # fmt: skip

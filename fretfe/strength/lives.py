@@ -138,7 +138,7 @@ def _column(columns: Columns, name: str, default: float) -> list[float]:
 
 
 def _by_text(columns: Columns, name: str, make: Callable[[str], Any]) -> list[Any]:
-    """What is made of each cell of a column, once of equal ones.
+    """Something made of each cell of a column, once of equal ones.
 
     Raises:
         CaseError: with the place of the cell of which nothing can be made.
@@ -213,7 +213,7 @@ def _loads(columns: Columns, row: int, pad: _Pad) -> PadLoads:
 
 
 def _notes(columns: Columns, edges: Sequence[PadEdge]) -> Iterator[str]:
-    """What was found of all tests, and what was not looked at."""
+    """Facts of all tests, and what was not looked at."""
     k_n, k_t = np.max([each.size_errors for each in edges], axis=0)
     if k_n > 0:
         yield f"as specimens are finite, K_N of tests is up to {k_n:.1%} off, ΔK_T {k_t:.1%}"

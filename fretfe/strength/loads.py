@@ -100,7 +100,7 @@ def edge_of(test: PadLoads) -> PadEdge:
 
 
 def _outside(test: PadLoads, edge: PadEdge) -> str:
-    """Why the factors do not describe an edge; empty if they do."""
+    """The reason why factors do not describe an edge; empty if they do."""
     limit, a = test.friction * test.normal_force, test.half_width
     if test.shear >= limit:
         return f"the contact slides as a whole: Q = {test.shear:.4g}, f P = {limit:.4g}"
@@ -115,11 +115,10 @@ def _outside(test: PadLoads, edge: PadEdge) -> str:
     if abs(test.tension) > test.yield_stress:
         return f"it yields: the bulk stress is {abs(test.tension):.4g}"
     if not abs(edge.error) <= LARGEST_ERROR:
-        length = a - max(test.block.profile.kinks, default=0.0)
-        error = f"{edge.error:+.0%} off" if math.isfinite(edge.error) else "not known so far in"
-        turned = ", and the bulk stress reverses the slip of the other edge" * edge.reverses
-        return (
-            f"the slip zone is too long: d = {edge.slip:.3g} is {edge.slip / length:.2g} of what "
-            f"the edge reaches over, and by the formula it is {error}{turned}"
-        )
+        flat = max(test.block.profile.kinks, default=0.0)
+        share = f"{edge.slip / (a - flat):.2g} of {'a − b' if flat else 'a'}"
+        error = f"{edge.error:+.0%}".replace("%", " %") + " off"
+        text = error if math.isfinite(edge.error) else "without meaning"
+        turned = ", where the bulk stress reverses the slip of the other edge" * edge.reverses
+        return f"the slip zone is too long: d is {share}, for which the formula is {text}{turned}"
     return ""

@@ -14,6 +14,7 @@ from fretfe._typing import Array, Bools
 from fretfe.case import AnyBody, isotropic
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
+from fretfe.report.texts import number
 from fretfe.results.model import Result
 from fretfe.strength.fit import SAME, LifeFit, fit_life
 from fretfe.strength.lives import StrengthTests, read_tests
@@ -306,7 +307,8 @@ def _beyond(tests: StrengthTests, chosen: Bools, fit: LifeFit, k_n: float, life:
     shortest = tests.life[chosen & ~tests.runout].min()
     longest = tests.life[chosen].max()
     if not shortest <= life <= longest:
-        return f"{life:g} cycles are outside of the tested lives, {shortest:g} to {longest:g}"
+        lives = f"{number(shortest)} to {number(longest)}"
+        return f"{number(life, 6)} cycles are outside of the tested lives, {lives}"
     strength, ranges = float(fit.strength(k_n, life)), tests.k_t_range[chosen]
     if not ranges.min() <= strength <= ranges.max():
         side = "above" if strength > ranges.max() else "below"
@@ -347,4 +349,4 @@ def _judged(edge: ComponentEdge, count: int, fit: LifeFit, life: float) -> Margi
 
 def _span(values: Array) -> str:
     low, high = values.min(), values.max()
-    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
+    return number(low) if low == high else f"{number(low)} to {number(high)}"
