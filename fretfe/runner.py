@@ -32,14 +32,14 @@ from fretfe.faults import (
     trace_of,
     write_traceback,
 )
-from fretfe.files import replace_text
+from fretfe.files import replace_text, writing
 from fretfe.history.stream import STATES
 from fretfe.results.field_files import FIELDS
 from fretfe.results.hdf5_file import STRESSES
 from fretfe.results.model import Result
 from fretfe.results.run_folder import locked
-from fretfe.results.writer import prepare_directory
-from fretfe.work import ROWS, StepNotes, Work
+from fretfe.results.writer import prepare_directory, remove_old_report
+from fretfe.work import ROWS, RUN, StepNotes, Work
 
 if TYPE_CHECKING:
     from fretfe.mesh.mesh import Mesh
@@ -139,7 +139,7 @@ class Runner:
         options = RunOptions(observer=self._shown(observer), mesh=mesh)
         if output is None:
             return self._with_run(replace(self.backend.solve(case, options), backend=self.name))
-        with self._at_work(Work(output, "run", self.name, case), options.observer) as work:
+        with self._at_work(Work(output, RUN, self.name, case), options.observer) as work:
             if self.processes.on_root(lambda: work.begin(resume=resume)):
                 known = self._known(work)
                 if known is not None:
@@ -153,8 +153,8 @@ class Runner:
             result = self._with_run(replace(result, backend=self.name, directory=output))
             result = replace(result, faults=faults_so_far())
             self.write(lambda: work.close(result))
-        writing = time.perf_counter() - begin
-        return replace(result, seconds={**result.seconds, "writing": writing})
+        seconds = {**result.seconds, "writing": time.perf_counter() - begin}
+        return replace(result, seconds=seconds)
 
     def _all_faults(self, result: Result, collected: Collected) -> tuple[Fault, ...]:
         """The faults of a result that was read or made, the same on all processes. Collective."""
@@ -415,6 +415,8 @@ def draw_report(directory: Path) -> Drawn:
                     from fretfe.report.page.html import write_report
 
                     attempt("report", lambda: write_report(directory, plots[0]))
+                with writing(directory, "the report"):
+                    remove_old_report(directory)
         except OutputError as error:
             failures.append(error)
     return Drawn(seconds, tuple(problems), tuple(collected.faults), next(iter(failures), None))

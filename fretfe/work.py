@@ -39,6 +39,7 @@ from fretfe.results.run_folder import FINISHED, KEY, LOCK, MARK, read_mark, writ
 from fretfe.results.writer import (
     NUMBERS,
     PICTURES,
+    REPORT,
     RESULT_FILES,
     SWEEP_FILES,
     remove_pictures,
@@ -48,6 +49,8 @@ from fretfe.results.writer import (
 
 CASE_COPY = "case.toml"
 ROWS = "validation.json"
+# The command of a run that makes a report at its end.
+RUN = "run"
 # Keys of a case that a run may be continued without: they change no state.
 FREE_KEYS = ("title", "output")
 # Packages whose versions must not change within a run; those of a backend stand with its states.
@@ -164,8 +167,8 @@ class Work:
         return False
 
     def _clear(self) -> None:
-        """Remove what an earlier run has left."""
-        remove_results(self.directory)
+        """Remove what an earlier run has left, but a report until there is another one."""
+        remove_results(self.directory, kept=REPORT if self._mark["command"] == RUN else "")
         remove_pictures(self.directory)
         for name in (ROWS, *SWEEP_FILES):
             (self.directory / name).unlink(missing_ok=True)

@@ -13,6 +13,7 @@ import sys
 import time
 import traceback
 from collections.abc import Callable
+from typing import Annotated
 
 import typer
 
@@ -48,7 +49,9 @@ Exit codes:
   9  an error of fretfe (a bug) left something unknown; all else is written
   129, 130, 143  SIGHUP, Ctrl-C, SIGTERM
 """
-HELP_OPTION = "--help"
+HELP_OPTIONS = ["--help", "-h"]
+# Options of which each process prints the same and ends.
+PRINTING = {*HELP_OPTIONS, "--version"}
 # Seconds in which processes come upon the same error.
 ALIKE = 1.0
 app = typer.Typer(
@@ -57,7 +60,28 @@ app = typer.Typer(
     no_args_is_help=True,
     pretty_exceptions_enable=False,
     rich_markup_mode=None,
+    context_settings={"help_option_names": HELP_OPTIONS},
 )
+
+
+def _print_version(asked: bool) -> None:
+    if asked:
+        import fretfe
+
+        print(f"fretfe {fretfe.__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def _options(
+    _version: Annotated[
+        bool,
+        typer.Option(
+            "--version", help="Print the version.", callback=_print_version, is_eager=True
+        ),
+    ] = False,
+) -> None:
+    pass
 
 
 # In the order of the help.
@@ -101,8 +125,8 @@ def main() -> None:
                 ended = SystemExit(OutputError.exit_code)
             if isinstance(ended.code, int) and ended.code:
                 _end_others(ended.code)
-            elif HELP_OPTION in sys.argv:
-                # Others that have the same option print the help too, in about the same time.
+            elif PRINTING & {*sys.argv}:
+                # Others that have the same option print the same too, in about the same time.
                 _end_others(0, ALIKE)
             raise ended
 

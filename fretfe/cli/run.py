@@ -92,6 +92,8 @@ def run(
         return
     read = runner.read_case(ahead.case if ahead else reader)
     mesh = ahead.mesh if ahead else None
+    if not (resume or runner.processes.rank or verbosity is Verbosity.QUIET):
+        _announce_replacement(output)
     with StepReport(runner.processes.rank, verbosity) as shown:
         result = runner.run(read, output, shown, resume=resume, mesh=mesh)
     timed = timings or verbosity is Verbosity.VERBOSE
@@ -100,6 +102,14 @@ def run(
     if failure is not None:
         raise failure
     require_none((*result.faults, *(ended.faults if ended else ())), output)
+
+
+def _announce_replacement(directory: Path) -> None:
+    """Say so if there are results in the folder of a run."""
+    from fretfe.results.writer import NUMBERS
+
+    if (directory / NUMBERS).exists():
+        print(f"This run replaces the results in {directory}", flush=True)
 
 
 def _reader(path: Path, overrides: list[str] | None, *, trust_geo: bool) -> Callable[[], Case]:
@@ -133,6 +143,7 @@ def _finish_run(
     from fretfe.console import Console
     from fretfe.faults import collecting
     from fretfe.report.page.tables import timing_table
+    from fretfe.results.writer import remove_old_report
     from fretfe.runner import Drawn, draw_report
 
     quiet = verbosity is Verbosity.QUIET
@@ -148,6 +159,8 @@ def _finish_run(
         drawn = draw_report(directory)
         for problem in drawn.problems:
             console.print(f"Warning: {problem}", highlight=False, markup=False, soft_wrap=True)
+    else:
+        remove_old_report(directory)
     drawn = replace(drawn, faults=(*collected.faults, *drawn.faults))
     if quiet:
         return drawn

@@ -111,14 +111,31 @@ def prepare_other(directory: Path) -> None:
         raise CaseError(f"{directory}: expected a folder without results of a run, found {found}")
 
 
-def remove_results(directory: Path) -> None:
+def remove_results(directory: Path, kept: str = "") -> None:
     """Remove numbers, arrays and fields of an earlier run, the numbers first.
+
+    Args:
+        directory: of the run.
+        kept: name of a file that stays.
 
     Raises:
         OSError: if that fails.
     """
     for name in RESULT_FILES:
-        (directory / name).unlink(missing_ok=True)
+        if name != kept:
+            (directory / name).unlink(missing_ok=True)
+
+
+def remove_old_report(directory: Path) -> None:
+    """Remove a report that is older than the numbers: it is one of an earlier run.
+
+    Raises:
+        OSError: if that fails.
+    """
+    report, numbers = directory / REPORT, directory / NUMBERS
+    if report.exists() and numbers.exists():
+        if report.stat().st_mtime_ns < numbers.stat().st_mtime_ns:
+            report.unlink()
 
 
 def remove_pictures(directory: Path) -> None:
@@ -143,8 +160,6 @@ def write_results(directory: Path, result: Result) -> None:
         lists: dict[str, Array] = {}
         numbers = with_digest(as_numbers(result, lists))
         text = json_text(numbers)
-        # Arrays or numbers of an earlier run would not belong to what is there before all is.
-        (directory / REPORT).unlink(missing_ok=True)
         # The result may have been read from the file that is replaced: surfaces come before it.
         # What keeps them from being written must not keep the numbers from it.
         surfaces = partial(_write_surfaces, result=result)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 from cases.drawn import write_folder
@@ -13,6 +14,7 @@ from harness import launch
 from harness.small_files import small_files
 from typer.testing import CliRunner
 
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.cli.app import app
 from fretfe.cli.run import run as run_case
 from fretfe.errors import FaultError
@@ -50,6 +52,32 @@ def test_a_report_that_does_not_fit_leaves_the_one_before(case: Path, tmp_path: 
     assert done.returncode == 6, done.stderr
     assert f"{report}: cannot write the report: " in done.stderr and "Report in" not in done.stdout
     assert report.read_bytes() == before
+
+
+def test_a_run_keeps_the_report_before_until_it_has_its_own(
+    case: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    out = tmp_path / "out"
+    first = launch.fretfe("run", case, "-o", out, "--backend", "halfplane")
+    assert first.returncode == 0 and "replaces" not in first.stdout
+    (out / "report.html").write_text("of the run before")
+    seen: list[str] = []
+    solve = HALFPLANE.solve
+
+    def looking(*arguments: Any) -> Any:
+        result = solve(*arguments)
+        seen.append((out / "report.html").read_text())
+        assert not (out / "results.json").exists()
+        return result
+
+    monkeypatch.setattr(type(HALFPLANE), "solve", lambda _, *arguments: looking(*arguments))
+    run_case(case, out, "halfplane")
+    assert seen == ["of the run before"]
+    assert (out / "report.html").read_text("utf-8").startswith("<!")
+    again = launch.fretfe("run", case, "-o", out, "--backend", "halfplane")
+    assert f"This run replaces the results in {out}\n" in again.stdout
+    quiet = launch.fretfe("run", case, "-o", out, "--backend", "halfplane", "-q", "--no-report")
+    assert not quiet.stdout and not (out / "report.html").exists()
 
 
 def test_run_without_a_report_leaves_none_of_an_earlier_run(case: Path, tmp_path: Path) -> None:
