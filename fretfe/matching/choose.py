@@ -321,6 +321,10 @@ def _crossing(family: _Family, factors: Factors, bound: Bound, limit: float, sig
         return max(_margin(bound, limit, sign, test), -FAR * max(limit, 1.0))
 
     ends = math.log(family.low), math.log(family.high)
+    margins = [inside(end) for end in ends]
+    if min(margins) >= 0 or max(margins) <= 0:
+        # One end meets the limit, but for the round-off of logarithms.
+        return family.low if margins[0] > margins[1] else family.high
     return math.exp(brentq(inside, *ends, xtol=1e-13, rtol=1e-13))
 
 

@@ -187,17 +187,20 @@ def print_validation(console: Console, validation: Validation) -> None:
     table.pad_edge = False
     table.padding = (0, 1, 0, 0)
     # Long names take several lines where the terminal is narrow.
-    for header in ("where", "quantity"):
-        table.add_column(header, overflow="fold", min_width=WHOLE_WORDS)
+    table.add_column("", min_width=WHOLE_WORDS)
     for header in ("value", "reference", "difference", "tolerance", "why"):
         table.add_column(header, justify="right", no_wrap=True)
     table.add_column("verdict", no_wrap=True)
+    place = ""
     for row in validation.rows:
+        if row.where != place:
+            place = row.where
+            table.add_row(f"[bold]{escape(place)}[/]")
         numbers = (row.value, row.reference, row.difference, row.tolerance)
-        names = map(escape, (row.where, row.quantity))
         why = str(reasons.index(row.reason) + 1)
         style = "bold red" if row.verdict in FAILURES else ""
-        table.add_row(*names, *map(_number, numbers), why, row.verdict, style=style)
+        name = escape(row.quantity)
+        table.add_row(name, *map(_number, numbers), why, row.verdict, style=style)
     width = console.width
     # Narrower terminals wrap whole lines: a cut verdict says nothing.
     wide = console.options.update(max_width=WIDEST)
@@ -241,4 +244,4 @@ def as_numbers(validation: Validation) -> dict[str, Any]:
 
 
 def _number(value: float) -> str:
-    return f"{value:.3g}" if math.isfinite(value) else "-"
+    return rounded(value) if math.isfinite(value) else MISSING

@@ -196,3 +196,14 @@ def test_completion() -> None:
         env=launch.ENVIRONMENT | asked,
     )
     assert done.stdout.split() == ["sweep"]
+
+
+@pytest.mark.parametrize("command", [(), ("run",), ("strength",)])
+def test_short_help_is_the_long_one(command: tuple[str, ...]) -> None:
+    short, long = (CliRunner().invoke(cli.app, [*command, each]) for each in ("-h", "--help"))
+    assert short.exit_code == 0 and short.output == long.output and "Usage: " in short.output
+
+
+def test_version() -> None:
+    done = CliRunner().invoke(cli.app, ["--version"])
+    assert (done.exit_code, done.output) == (0, f"fretfe {fretfe.__version__}\n")
