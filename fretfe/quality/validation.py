@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing
@@ -35,6 +34,7 @@ from fretfe.quality.companions import (
 )
 from fretfe.quality.global_run import carried_rows
 from fretfe.quality.rows import EVERYWHERE, Row, hertz_rows, limit_rows, own_rows
+from fretfe.report.texts import rounded
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
 
@@ -47,7 +47,7 @@ GROWING = 3
 # Verdicts with which a validation fails.
 FAILURES = (Verdict.DIFFERS, Verdict.UNKNOWN)
 # Columns that a word of a name takes on a terminal.
-WHOLE_WORDS = 8
+WHOLE_WORDS = 12
 # More than any terminal has.
 WIDEST = 1000
 # Rows that a run has without companions.
@@ -200,7 +200,7 @@ def print_validation(console: Console, validation: Validation) -> None:
         why = str(reasons.index(row.reason) + 1)
         style = "bold red" if row.verdict in FAILURES else ""
         name = escape(row.quantity)
-        table.add_row(name, *map(_number, numbers), why, row.verdict, style=style)
+        table.add_row(name, *map(rounded, numbers), why, row.verdict, style=style)
     width = console.width
     # Narrower terminals wrap whole lines: a cut verdict says nothing.
     wide = console.options.update(max_width=WIDEST)
@@ -241,7 +241,3 @@ def as_numbers(validation: Validation) -> dict[str, Any]:
             json_value({**asdict(row), "difference": row.difference}) for row in validation.rows
         ],
     }
-
-
-def _number(value: float) -> str:
-    return rounded(value) if math.isfinite(value) else MISSING

@@ -74,9 +74,11 @@ def marked(text: str, uncertain: bool) -> str:
     return f"~{text}" if uncertain and text != MISSING else text
 
 
-def rounded(value: float) -> str:
-    """A number with three digits; no exponent where it can do without."""
-    return f"{float(f'{value:.3g}'):.6g}"
+def rounded(value: float, digits: int = 3) -> str:
+    """A number with so many significant digits; no exponent from 1e-4 to 1e7."""
+    if not math.isfinite(value):
+        return MISSING
+    return short(f"{float(f'{value + 0.0:.{digits}g}'):.7g}")
 
 
 def direction_text(direction: Array) -> str:

@@ -17,6 +17,7 @@ from cases.pad_cases import HERTZ
 from harness import launch
 from typer.testing import CliRunner
 
+import fretfe
 from fretfe.cli import app as cli
 
 ROOT = Path(__file__).parents[2]

@@ -31,6 +31,8 @@ LAYERS = (
     "fretfe.verdict",
     "fretfe.terminal",
     "fretfe.console",
+    "fretfe.report",
+    "fretfe.report.texts",
     "fretfe._core",
     "fretfe._typing",
     "fretfe.analytic.*",
