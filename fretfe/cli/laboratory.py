@@ -115,40 +115,63 @@ def _choice_tables(match: Match, _: Comparison | None) -> Iterator[Table]:
         places = range(1, len(each.choices) + 1)
         headers = ["best" if n == each.best + 1 else str(n) for n in places]
         name = f"{each.shape} for edge {match.target.name}"
-        table = plain_table(name, ("", *headers), text=1)
+        # Bars are nearly the same of all choices, in per cent: one column has them.
+        table = plain_table(name, ("", *headers, "± best"), text=1)
         columns = [dict(_choice_numbers(choice, match)) for choice in each.choices]
+        bars = dict(_choice_bars(each.choices[each.best], match))
         for label in columns[0]:
-            table.add_row(label, *(column[label] for column in columns))
+            table.add_row(label, *(column[label] for column in columns), bars.get(label, ""))
         yield table
+
+
+# Numbers with error bars, and what the table calls them.
+LABELS = {
+    "half_width": "half-width a, {length}",
+    "normal_force": "P, {force}/{length}",
+    "normal_amplitude": "  amplitude of P",
+    "shear_amplitude": "Q, amplitude",
+    "shear_ratio": "Q/(f P), largest",
+    "slip_long": "d, {length}",
+    "slip_over_length": "d/{inner}",
+    "over_thickness": "a/thickness",
+    "peak_pressure": "largest p, {stress}",
+}
+
+
+# Of these a laboratory sets so many digits.
+LOADS = ("normal_force", "normal_amplitude", "shear_amplitude")
+
+
+def _label(name: str, choice: Choice, match: Match) -> str:
+    inner = "(a - b)" if choice.shape == "flat_rounded" else "a"
+    return LABELS[name].format(inner=inner, **match.rig.units.model_dump())
+
+
+def _choice_bars(choice: Choice, match: Match) -> Iterator[tuple[str, str]]:
+    """Error bars of a choice by labels, relative."""
+    from fretfe.matching.spreads import numbers_of
+
+    for name, value in numbers_of(choice.test, match.rig).items():
+        if name in LABELS and choice.spreads[name] > 0 and value:
+            yield _label(name, choice, match), percent(choice.spreads[name] / abs(value), 1)
 
 
 def _choice_numbers(choice: Choice, match: Match) -> Iterator[tuple[str, str]]:
     """Labels and numbers of a choice."""
     from fretfe.matching.spreads import numbers_of
 
-    profile = choice.test.profile
-    found = {
-        name: _with_bar(value, choice.spreads[name])
-        for name, value in numbers_of(choice.test, match.rig).items()
-    }
-    length, force = match.rig.units.length, match.rig.units.force
+    profile, length = choice.test.profile, match.rig.units.length
     if choice.shape == "wedge":
         angle = math.degrees(math.atan(getattr(profile, "slope", math.nan)))
         yield "angle, degrees", number(angle)
     else:
         yield f"radius, {length}", number(getattr(profile, "radius", math.nan))
     if choice.shape == "flat_rounded":
-        yield f"half of the flat, {length}", number(profile.kinks[0])
-    yield f"half-width a, {length}", found["half_width"]
-    yield f"P, {force}/{length}", found["normal_force"]
-    yield "  amplitude of P", found["normal_amplitude"]
-    yield "Q, amplitude", found["shear_amplitude"]
-    yield "Q/(f P), largest", found["shear_ratio"]
-    yield f"d, {length}", found["slip_long"]
-    yield "d/(a - b)" if choice.shape == "flat_rounded" else "d/a", found["slip_over_length"]
-    yield "error of d by formula", percent(choice.test.asymptote_error, 0)
-    yield "a/thickness", found["over_thickness"]
-    yield f"largest p, {match.rig.units.stress}", found["peak_pressure"]
+        yield f"half flat, {length}", number(profile.kinks[0])
+    for name, value in numbers_of(choice.test, match.rig).items():
+        if name in LABELS:
+            yield _label(name, choice, match), rounded(value, 4 if name in LOADS else 3)
+    yield "error of d", percent(choice.test.asymptote_error, 0)
     yield "p differs by up to", percent(choice.misfit, 1)
     yield "d differs by about", percent(choice.slip_misfit, 0)
 
@@ -160,31 +183,29 @@ def _with_bar(value: float, spread: float) -> str:
 
 
 def _comparison_tables(match: Match, comparison: Comparison | None) -> Iterator[Table]:
-    """Factors of component and tests, and how far their tractions agree."""
+    """Factors of component and test, and how far their tractions agree, for each test."""
     assert comparison is not None
-    names = tuple(Path(each.name).name for each in comparison.agreements)
-    table = plain_table(f"Edge {match.target.name} and tests", ("", "component", *names), text=1)
-    tests = [each.test for each in comparison.agreements]
-    rows = (("K_N", "k_n"), ("ΔK_T", "k_t_range"), ("ΔK_I", "k_i_range"))
-    for label, key in rows:
-        own = getattr(match.target, key)
-        # Beside ΔK_T it does nothing; its relative change is noise.
-        told = own if key != "k_i_range" or own > SMALL * match.target.k_t_range else 0.0
-        cells = (f"{_factor(test, key)} ({_change(getattr(test, key), told)})" for test in tests)
-        table.add_row(label, _factor(match.target, key), *cells)
-    for n, label in enumerate(("longer slip zone", "shorter slip zone")):
-        own, spread = _slip(match.target, n)
-        cells = (f"{with_error(*_slip(test, n))} ({_change(_slip(test, n)[0], own)})"
-                 for test in tests)  # fmt: skip
-        table.add_row(label, with_error(own, spread), *cells)
-    for label, name in (("p", "pressure_reach"), ("change of q", "shear_reach")):
-        for n in range(2):
-            reaches = [getattr(each, name)[n] for each in comparison.agreements]
-            table.add_row(
-                f"{label} agrees to {reaches[0].tolerance:.0%} up to", "",
-                *(_reach(reach, match.target.longest_slip) for reach in reaches),
-            )  # fmt: skip
-    yield table
+    for agreement in comparison.agreements:
+        title = f"Edge {match.target.name} and a test"
+        table = plain_table(title, ("", "component", Path(agreement.name).name), text=1)
+        test = agreement.test
+        for label, key in (("K_N", "k_n"), ("ΔK_T", "k_t_range"), ("ΔK_I", "k_i_range")):
+            own = getattr(match.target, key)
+            # Beside ΔK_T it does nothing; its relative change is noise.
+            told = own if key != "k_i_range" or own > SMALL * match.target.k_t_range else 0.0
+            cell = f"{_factor(test, key)} ({_change(getattr(test, key), told)})"
+            table.add_row(label, _factor(match.target, key), cell)
+        for n, label in enumerate(("longer slip zone", "shorter slip zone")):
+            own, spread = _slip(match.target, n)
+            cell = f"{with_error(*_slip(test, n))} ({_change(_slip(test, n)[0], own)})"
+            table.add_row(label, with_error(own, spread), cell)
+        for label, reaches in (
+            ("p", agreement.pressure_reach), ("change of q", agreement.shear_reach)
+        ):  # fmt: skip
+            for reach in reaches:
+                text = f"{label} within {reach.tolerance:.0%} up to"
+                table.add_row(text, "", _reach(reach, match.target.longest_slip))
+        yield table
 
 
 def _factor(target: Target, key: str) -> str:

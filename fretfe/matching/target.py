@@ -20,6 +20,8 @@ from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.
 IN_STEP = 0.99
+# Range of K_I over that of K_T up to which it is round-off of a constant P.
+ROUND_OFF = 1e-6
 # Range of f K_I over that of K_T from which it changes slip zones.
 NORMAL_COUNTS = 0.02
 # Range of (K_T, K_S) across the direction in which it varies most, over the one along it, and sine
@@ -176,11 +178,14 @@ def _cycle(result: Result, station: Station, edge: str) -> tuple[int, int]:
 def _ranges(result: Result, station: Station, begin: int, end: int) -> tuple[float, float, float]:
     """Ranges of K_T, its error bar, and of K_I."""
     if (begin, end) == result.loads.cycle:
-        return station.k_range, station.k_range_spread, station.k_i_range
-    k_t, k_i = station.k_along[[begin, end]], station.k_i[[begin, end]]
-    size = float(np.ptp(k_t))
-    relative = station.k_range_spread / station.k_range if station.k_range > 0 else math.nan
-    return size, relative * size, float(np.ptp(k_i))
+        size, spread, k_i_range = station.k_range, station.k_range_spread, station.k_i_range
+    else:
+        k_t, k_i = station.k_along[[begin, end]], station.k_i[[begin, end]]
+        size, k_i_range = float(np.ptp(k_t)), float(np.ptp(k_i))
+        relative = station.k_range_spread / station.k_range if station.k_range > 0 else math.nan
+        spread = relative * size
+    # A test whose P cycles by round-off would have no Q in proportion to it.
+    return size, spread, k_i_range if k_i_range > ROUND_OFF * size else 0.0
 
 
 def _require_known(edge: str, what: str, value: float, spread: float) -> None:
@@ -212,7 +217,7 @@ def _require_similar(edge: str, station: Station) -> None:
 
 def _in_step(station: Station, begin: int, end: int) -> int:
     k_t, k_i = station.k_along[begin : end + 1], station.k_i[begin : end + 1]
-    if not np.ptp(k_t) > 0 or not np.ptp(k_i) > 1e-6 * np.ptp(k_t):
+    if not np.ptp(k_t) > 0 or not np.ptp(k_i) > ROUND_OFF * np.ptp(k_t):
         return 1
     correlation = float(np.corrcoef(k_t, k_i)[0, 1])
     return round(correlation) if abs(correlation) >= IN_STEP else 0
