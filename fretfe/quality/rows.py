@@ -17,6 +17,7 @@ import numpy as np
 from fretfe._typing import Array, Bools
 from fretfe.evaluate import analyse_tractions
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station
+from fretfe.evaluate.plane.evaluate import NEARLY_ALONG_Z
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.refinement import numbers
 from fretfe.evaluate.slip import cycle_states
@@ -247,11 +248,10 @@ def _solution_rows(result: Result) -> Iterator[Row]:
 def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
     at = Place(contact.name)
     if not contact.solid:
-        yield _shear_row(at, contact.shear_mismatch)
+        yield _shear_row(at, contact, cyclic=result.loads.cycle is not None)
     quantity, change = "change of q", contact.cycle_change
     if math.isnan(change):
-        given = "no cycle, or no friction"
-        yield at.missing(quantity, given)
+        yield at.missing(quantity, _no_change(result, contact))
     else:
         given = "relative to f p_max: the cycle is steady"
         yield at.compared(quantity, change, 0.0, STEADY, given)
@@ -267,13 +267,32 @@ def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
             yield at.missing("patch in the cycle", given, Verdict.UNKNOWN)
 
 
-def _shear_row(at: Place, mismatch: float) -> Row:
+def _no_change(result: Result, contact: Contact) -> str:
+    """The reason why the shear of two cycles is not compared."""
+    if result.loads.cycle is None:
+        return "no cycle"
+    pressed = contact.normal_force[result.loads.cycle[1]] > 0
+    return "no friction" if pressed else "no pressure at the end of the cycle"
+
+
+def _shear_row(at: Place, contact: Contact, *, cyclic: bool) -> Row:
     """Range of Q by the factors of half-planes, over that by the tractions."""
-    quantity = "Q by ΔK_T / by ∫q"
+    quantity, mismatch = "Q by ΔK_T / by ∫q", contact.shear_mismatch
     if math.isnan(mismatch):
-        return at.missing(quantity, "no cycle, or no shear force in it")
+        return at.missing(quantity, _no_shear(contact) if cyclic else "no cycle")
     reason = "no free parameter, but the bodies are not half-planes: outside, use K_T as computed"
     return at.compared(quantity, 1 + mismatch, 1.0, SHEAR_AGREEMENT, reason, Verdict.OUTSIDE)
+
+
+def _no_shear(contact: Contact) -> str:
+    """The reason why Q of a cycle is not compared with the factors."""
+    for station in contact.stations:
+        if math.isnan(station.k_range):
+            why = station.lack.text or "in some states of the cycle"
+            return f"ΔK_T of the {station.front} edge is not known: {why}"
+        if abs(station.k_angle) >= NEARLY_ALONG_Z:
+            return "shear acts along z"
+    return "no shear force in the cycle"
 
 
 def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[Row]:

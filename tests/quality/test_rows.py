@@ -18,11 +18,12 @@ from harness.told import Told
 
 from fretfe.backends import Backend, RunOptions, find_backend
 from fretfe.case import Case, parse_case
-from fretfe.evaluate.contacts import SlipZone, fronts_of
+from fretfe.evaluate.contacts import SlipZone, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.plane.evaluate import plane_edges
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.verdicts import Judgement, expected_error, judge
+from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
 from fretfe.quality.companions import MEAN, MESH, START, make_variants, overloaded, shifted
@@ -178,6 +179,23 @@ def test_what_is_wrong_fails() -> None:
     assert verdicts(list(own_rows(unsteady)), "change of q") == {"differs"}
     strange = replace(result, contacts=(replace(contact, shear_mismatch=0.2),))
     assert verdicts(list(own_rows(strange)), "Q by ΔK_T") == {"outside"}
+    missing = replace(contact, shear_mismatch=math.nan, cycle_change=math.nan)
+
+    def given(loads: History, station: Station) -> set[str]:
+        own = replace(missing, fronts=fronts_of((station, contact.stations[1])))
+        rows = own_rows(replace(result, loads=loads, contacts=(own,)))
+        return {
+            each.reason for each in rows if each.quantity in ("Q by ΔK_T / by ∫q", "change of q")
+        }
+
+    whole, station = result.loads, contact.stations[0]
+    assert given(replace(whole, cycle=None), station) == {"no cycle"}
+    assert given(whole, station) == {"no shear force in the cycle", "no friction"}
+    lost = replace(station, k_range=math.nan, lack=Withheld(Lack.NO_TRACTIONS))
+    text = f"ΔK_T of the {station.front} edge is not known: {lost.lack.text}"
+    assert given(whole, lost) == {text, "no friction"}
+    along = replace(station, k_angle=90.0)
+    assert given(whole, along) == {"shear acts along z", "no friction"}
 
 
 def test_histories_of_the_companions() -> None:
