@@ -21,11 +21,13 @@ from fretfe.case import Contact as ContactTable
 from fretfe.case.loads import Push
 from fretfe.errors import MeshError
 from fretfe.evaluate.factors import WANTED_NODES
+from fretfe.evaluate.limits import DOUBTED
 from fretfe.evaluate.resolution import BAR_TIMES_ELEMENTS
 from fretfe.evaluate.slip import cycle_states
 from fretfe.loads import History
 from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.report.texts import rounded
 from fretfe.surface.checks import InitialGap, initial_gaps
 from fretfe.surface.surface import Surface, build_surface
 
@@ -50,6 +52,30 @@ def coarse_contacts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
     for name, initial, normal, force in _pressed(case, mesh, history):
         if force > 0:
             yield from _warning(case, name, initial, normal, force)
+
+
+def pressure_doubts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
+    """Plane contacts whose mean pressure no material bears: a unit is likely to be wrong.
+
+    Arguments as of `coarse_contacts`.
+    """
+    if mesh.dimension == 3:
+        return
+    for name, initial, normal, force in _pressed(case, mesh, history):
+        if not force > 0:
+            continue
+        load = _load(case, initial, normal, force)
+        along = initial.points @ np.array([normal[1], -normal[0]])
+        width, _ = half_width(along, initial.gap, load)
+        mean = load / min(2 * width, float(np.ptp(along)))
+        if mean > DOUBTED[1]:
+            bodies = (initial.surface1.body, initial.surface2.body)
+            yield (
+                f"contact {name}: P = {rounded(force)} means a pressure of {rounded(mean, 2)} E* "
+                f"or more, where fretting contacts have 1e-4 to 1e-2: check "
+                f"{' and '.join(f'bodies.{each}' for each in bodies)}, which are in "
+                f"{case.units.stress}, and the loads on them"
+            )
 
 
 def _pressed(

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -52,7 +52,7 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
 
 
 def _print(checked: Checked) -> None:
-    from fretfe.bodies.expected import coarse_contacts
+    from fretfe.bodies.expected import coarse_contacts, pressure_doubts
     from fretfe.case import stiffness_doubts
     from fretfe.checked import propose
     from fretfe.console import Console
@@ -63,9 +63,13 @@ def _print(checked: Checked) -> None:
     console = Console()
     _print_mesh(console, case, checked.mesh)
     # Of bodies in another unit, which a note tells, nothing can be expected.
-    if case.edges.tolerance is None and not any(stiffness_doubts(case)):
-        for warning in coarse_contacts(case, checked.mesh, history):
-            console.print(f"Warning: {warning}", highlight=False, markup=False)
+    warnings: Iterable[str] = ()
+    if not any(stiffness_doubts(case)):
+        warnings = tuple(pressure_doubts(case, checked.mesh, history))
+        if not warnings and case.edges.tolerance is None:
+            warnings = coarse_contacts(case, checked.mesh, history)
+    for warning in warnings:
+        console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:
         console.print(f"{body.name}: {body.material.text}")
         for coordinate, constraint in zip(body.coordinates, body.constraints, strict=True):

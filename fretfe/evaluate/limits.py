@@ -23,6 +23,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 from fretfe.materials.moduli import normal_modulus
+from fretfe.report.texts import beyond
 from fretfe.verdict import Verdict
 
 # Not loaded by reports: SciPy comes with it.
@@ -101,8 +102,9 @@ class ModelLimit:
     @property
     def caution(self) -> Caution:
         """The quantity, and by how much it is too large or small."""
-        kind, text = self.kind, f"outside the model: {self.quantity} is {self.found:.2g}"
-        text = ": ".join(filter(None, (f"{text}, expected at most {self.limit:g}", self.detail)))
+        kind, found = self.kind, beyond(self.found, self.limit)
+        text = f"outside the model: {self.quantity} is {found}, expected at most {self.limit:g}"
+        text = ": ".join(filter(None, (text, self.detail)))
         if self.doubtful:
             kind = Kind.UNITS
             text = (

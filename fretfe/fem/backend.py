@@ -12,7 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from fretfe.backends.protocol import DEFAULTS, Backend, Processes, RunOptions, Session
-from fretfe.bodies.expected import coarse_contacts
+from fretfe.bodies.expected import coarse_contacts, pressure_doubts
 from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
     address_room,
@@ -187,9 +187,10 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     mesh = (options.mesh or load_mesh)(case)
     unknowns = count_unknowns(mesh, case.model.degree, case.components(mesh.dimension))
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
-    expected = coarse_contacts(case, mesh, options.history or build_history(case))
+    history = options.history or build_history(case)
     # Of bodies in another unit nothing can be expected.
-    for warning in tuple(stiffness_doubts(case)) or expected:
+    doubts = tuple(stiffness_doubts(case)) or tuple(pressure_doubts(case, mesh, history))
+    for warning in doubts or coarse_contacts(case, mesh, history):
         options.announce(f"Warning: {warning}")
     return mesh
 

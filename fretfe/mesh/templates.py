@@ -31,6 +31,10 @@ _PARAMETER = re.compile(
 )
 
 
+# Part of a value by which it may leave its range: products such as 0.2 * 1.5 do.
+ROUND_OFF = 1e-9
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number that a template takes, with its default and its range (both ends allowed).
@@ -157,7 +161,10 @@ def check_parameters(template: Template, values: Mapping[str, float]) -> dict[st
     ]
     if problems:
         raise parameter_error(template, problems)
-    return {name: float(values.get(name, each.default)) for name, each in known.items()}
+    return {
+        name: min(max(float(values.get(name, each.default)), each.minimum), each.maximum)
+        for name, each in known.items()
+    }
 
 
 def parameter_error(template: Template, problems: Iterable[str]) -> CaseError:
@@ -196,7 +203,9 @@ def _range_problem(parameter: Parameter, value: object) -> str | None:
         expected += f" {parameter.unit}"
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
         return f"{parameter.name}: {expected}, found {value!r}"
-    if not parameter.minimum <= value <= parameter.maximum or (parameter.whole and value % 1):
+    slack = ROUND_OFF * abs(value)
+    inside = parameter.minimum - slack <= value <= parameter.maximum + slack
+    if not inside or (parameter.whole and value % 1):
         return f"{parameter.name}: {expected}, found {value:g}"
     return None
 

@@ -81,6 +81,12 @@ def rounded(value: float, digits: int = 3) -> str:
     return short(f"{float(f'{value + 0.0:.{digits}g}'):.7g}")
 
 
+def beyond(value: float, limit: float, digits: int = 2) -> str:
+    """A number beyond a limit with so many digits, or as many as it takes to see that it is."""
+    texts = (rounded(value, each) for each in range(digits, 7))
+    return next((text for text in texts if text != rounded(limit, 7)), rounded(value, 7))
+
+
 def direction_text(direction: Array) -> str:
     """A direction in words: an axis of the case, or its components."""
     place = int(abs(direction).argmax())

@@ -16,7 +16,12 @@ from typer.testing import CliRunner
 from fretfe import checked
 from fretfe.analytic.profiles import FlatRounded
 from fretfe.backends.protocol import Observer, RunOptions
-from fretfe.bodies.expected import Proposal, coarse_contacts, proposed_sizes
+from fretfe.bodies.expected import (
+    Proposal,
+    coarse_contacts,
+    pressure_doubts,
+    proposed_sizes,
+)
 from fretfe.case import load_case, parse_case
 from fretfe.checked import check, propose
 from fretfe.cli.app import app
@@ -229,3 +234,19 @@ def test_a_doubtful_stiffness_is_said_in_place_of_what_follows_from_it(tmp_path:
     for texts in (observer.texts, result.notes):
         assert sum("2.1e+08 is in MPa" in text for text in texts) == 1
     assert not any("nodes in contact expected" in text for text in observer.texts)
+
+
+def test_a_modulus_in_gpa_is_doubted(tmp_path: Path) -> None:
+    """210 MPa is a polymer; under the loads of steel it would be squeezed flat."""
+    path = tmp_path / "pad.toml"
+    soft = {**STEEL, "young": 210.0}
+    path.write_text(pad_text(bodies={"upper": soft, "lower": soft}))
+    shown = " ".join(CliRunner().invoke(app, ["check", str(path)]).stdout.split())
+    assert "Warning: contact main: P = 600 means a pressure of " in shown
+    assert "check bodies.upper and bodies.lower, which are in MPa" in shown
+    assert "nodes in contact expected" not in shown
+    case = load_case(path)
+    assert len(list(pressure_doubts(case, load_mesh(case), build_history(case)))) == 1
+    path.write_text(pad_text())
+    case = load_case(path)
+    assert not list(pressure_doubts(case, load_mesh(case), build_history(case)))
