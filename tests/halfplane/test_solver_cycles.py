@@ -38,6 +38,19 @@ def test_cattaneo_mindlin(ratio: float, direction: float) -> None:
     assert stick == pytest.approx([np.sqrt(1 - ratio)] * 2, abs=0.001)
 
 
+@pytest.mark.parametrize(("back", "beyond"), [(0.27, 0.303), (0.2, 0.304)])
+def test_slip_that_passes_the_border_of_the_slip_before(back: float, beyond: float) -> None:
+    """Slip falls as two powers of 3/2: the one that ends farther inward is the first loading."""
+    path = np.interp(np.arange(0.5, 3.1, 0.5), range(4), [0.0, -0.3, back, -beyond])
+    summary = solved(problem(LOAD, LIMIT * path))
+    exact = 1 - np.sqrt(1 - beyond)
+    for edge in summary.stations:
+        zone = edge.slip_zones[-1]
+        assert zone.resolved
+        assert zone.length == pytest.approx(exact, abs=zone.spread)
+        assert zone.spread < 0.021 * exact
+
+
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.8])
 def test_shear_of_cattaneo_mindlin_after_a_reversal(ratio: float) -> None:
     q1 = ratio * LIMIT
