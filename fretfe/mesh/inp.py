@@ -13,6 +13,7 @@ import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
+from enum import IntEnum
 from itertools import pairwise
 from pathlib import Path
 
@@ -28,9 +29,13 @@ from fretfe.mesh.inp_language import JOINED, REFUSED
 TITLES = ("HEADING",)
 # Parameters of a rigid body that is an analytical surface and nothing of the mesh.
 ANALYTICAL = {"ANALYTICALSURFACE", "REFNODE", "POSITION", "ISOTHERMAL"}
+# A type of *MODEL CHANGE that says nothing of the mesh.
+CONTACT = "CONTACTPAIR"
 # Shells and membranes, whose sides are called otherwise.
 SHELL = re.compile(r"(?:M3D|STRI|S)\d")
 SIDE = re.compile(r"([SE])([1-6])\Z")
+# Faces of a shell in Abaqus and in CalculiX.
+FACES = ("SPOS", "SNEG", "S1", "S2")
 # Number of nodes in the name of a type.
 NODES = re.compile(r"(?:(?:CPEG|CPE|CPS|CAX|M3D|STRI|S)([34689])|(?:C3D)(\d+)|[TR][23]D([234]))")
 # Numbers of nodes and elements are smaller; those of instance i are i times this one larger.
@@ -39,6 +44,13 @@ STRIDE = 10**9
 Point = tuple[float, float, float]
 # A number, or `temperatures` and `values` as a body of a case may have them.
 Constant = float | dict[str, list[float]]
+
+
+class Side(IntEnum):
+    """Sides of elements without a number of their own: S1 is 1."""
+
+    FREE = 0
+    FACE = -1
 
 
 class _UnknownError(ValueError):
@@ -67,7 +79,7 @@ class Level:
         elements: type and nodes by number.
         node_sets: numbers of nodes, in order.
         element_sets: numbers of elements.
-        surfaces: element numbers and sides (S1 is 1; 0 is whatever side is free).
+        surfaces: element numbers and sides: S1 is 1, or a `Side`.
         sections: element sets and their materials.
         broken: why a set or surface cannot be read, by name; it is in none of the others.
         waiting: sets that name others which have not come yet.
@@ -99,7 +111,8 @@ class Level:
                 break
         for card in self.waiting:
             self._break(card, card.required(card.word), reasons[card.place])
-        for card in self.surface_cards:
+        # those that are made of others come last
+        for card in sorted(self.surface_cards, key=lambda each: "COMBINE" in each.parameters):
             try:
                 _surface(self, card)
             except ValueError as error:
@@ -219,6 +232,7 @@ def read_deck(path: Path) -> Deck:
     if reader.open:
         card = reader.open[-1]
         raise MeshError(f"{card.place}: expected *END {card.keyword} after it, found none")
+    reader.place_alone()
     deck = reader.deck
     if not deck.nodes or not deck.elements:
         unplaced = ", ".join(reader.parts.keys() - reader.placed)
@@ -238,7 +252,9 @@ def _refuse_keyword(card: Card) -> None:
     analytical = card.word == "RIGIDBODY" and "ANALYTICALSURFACE" in card.parameters
     if analytical and card.parameters.keys() <= ANALYTICAL:
         return
-    if card.word in REFUSED or tied:
+    # which contacts there are, the case says
+    of_contact = card.word == "MODELCHANGE" and card.choice("TYPE", "ELEMENT", CONTACT) == CONTACT
+    if (card.word in REFUSED or tied) and not of_contact:
         with_word = " with TIED" if tied else ""
         raise MeshError(
             f"{card.place}: *{card.keyword}{with_word} is not supported; "
@@ -259,7 +275,7 @@ class _Reader:
         # Sets and surfaces by their own names, with the instances that have one.
         self._own: dict[str, set[str]] = {}
         self._elements: dict[str, list[int]] = {}
-        self._moved, self._size = False, 0
+        self._moved, self._size, self._assembled = False, 0, False
         self._material: Material | None = None
         self._blocks: dict[str, Callable[[Card], None]] = {
             "PART": self._part, "ASSEMBLY": self._assembly, "INSTANCE": self._instance,
@@ -287,6 +303,13 @@ class _Reader:
                 self._level.waiting.append(card)
         elif of_material is not None and self._material is not None:
             of_material(self._material, card)
+
+    def place_alone(self) -> None:
+        """Place the parts of a file that has nothing else: no assembly, no other nodes."""
+        if not self._assembled and not self.deck.nodes:
+            for name, part in self.parts.items():
+                self.placed.add(name)
+                self._place(name, part)
 
     def finish(self) -> None:
         """Give instances and what they alone have names without a prefix."""
@@ -334,6 +357,7 @@ class _Reader:
 
     def _assembly(self, card: Card) -> None:
         self._begin(card)
+        self._assembled = True
 
     def _instance(self, card: Card) -> None:
         card.refuse("LIBRARY", "INSTANCE")
@@ -357,6 +381,10 @@ class _Reader:
                 f"expected nodes in the part, found some in the instance {name!r}, which is moved: "
                 "define them in its part (Abaqus/CAE: make the instance dependent)"
             )
+        self._place(name, level)
+
+    def _place(self, name: str, level: Level) -> None:
+        """Add a part or an instance to the mesh."""
         self._size += len(level.nodes) + len(level.elements)
         self._size += sum(map(len, (*level.node_sets.values(), *level.element_sets.values())))
         if self._size > MOST_PLACED:
@@ -528,11 +556,14 @@ def _element_set(level: Level, card: Card) -> None:
 
 def _surface(level: Level, card: Card) -> None:
     """A surface of nodes is a node set; one of elements is a list of their sides."""
-    card.refuse("COMBINE", "CROP")
+    card.refuse("CROP")
     name = card.required("NAME")
     kind = card.choice("TYPE", "ELEMENT", "NODE", "SEGMENTS", "CYLINDER", "REVOLUTION", "USER")
     if kind not in ("ELEMENT", "NODE"):
         raise ValueError(f"surfaces of type {kind} are not supported; use NODE or ELEMENT")
+    if "COMBINE" in card.parameters:
+        level.surfaces[name] = _combined(level, card)
+        return
     sides: list[tuple[int, int]] = []
     for row in card.rows:
         plain = Card(card.keyword, card.word, {}, [[row[0]]], card.place)
@@ -548,22 +579,44 @@ def _surface(level: Level, card: Card) -> None:
         level.surfaces.setdefault(name, []).extend(sides)
 
 
+def _combined(level: Level, card: Card) -> list[tuple[int, int]]:
+    """Sides in any of some surfaces, in both of two, or in the first of two only."""
+    how = card.choice("COMBINE", "UNION", "INTERSECTION", "DIFFERENCE")
+    names = [value.strip('"').upper() for row in card.rows for value in row if value]
+    if missing := [name for name in names if name not in level.surfaces]:
+        raise ValueError(f"there is no surface {missing[0]!r} of elements")
+    found = [dict.fromkeys(level.surfaces[name]) for name in names]
+    if how == "UNION":
+        return [*dict.fromkeys(side for sides in found for side in sides)]
+    if how not in ("INTERSECTION", "DIFFERENCE") or len(found) != 2:
+        raise ValueError(
+            "expected UNION of surfaces, or INTERSECTION or DIFFERENCE of two, found "
+            f"{how} of {len(found)}"
+        )
+    if any(side == Side.FREE for sides in found for _, side in sides):
+        raise ValueError(f"expected surfaces with sides (S1, ...) for {how}, found one without")
+    one, other = found
+    return [side for side in one if (side in other) == (how == "INTERSECTION")]
+
+
 def _side(kind: str, text: str) -> int:
-    """The number of a side of an element, 0 where none is written.
+    """The number of a side of an element.
 
     Plane elements have sides S1 to S4. Edges of shells are E1 to E4 in Abaqus; in CalculiX S1 and
     S2 of a shell are its two faces and S3 to S6 its edges.
     """
     if not text:
-        return 0
+        return Side.FREE
     found = SIDE.match(text.upper())
     letter, number = (found[1], int(found[2])) if found else ("", 0)
     if SHELL.match(kind):
+        if text.upper() in FACES:
+            return Side.FACE
         number -= 2 if letter == "S" else 0
         if not 0 < number < 5:
             raise ValueError(
                 f"expected an edge of a shell ({kind}), E1 to E4 (Abaqus) or S3 to S6 (CalculiX), "
-                f"found {text!r}, which is one of its faces"
+                f"or a face, {', '.join(FACES)}, found {text!r}"
             )
     elif not number:
         raise ValueError(f"expected a side S1, S2, ... or S6, found {text!r}")

@@ -12,8 +12,11 @@ from fretfe.errors import MeshError
 from fretfe.files import DEEPEST_INCLUDE, MOST_BYTES, MOST_FILES, require_file
 from fretfe.mesh.inp_language import squeezed, whole_keyword, whole_parameter, whole_value
 
-# Begins a keyword that may include a file.
-INCLUDING = re.compile(rb"^\s*\*\s*i", re.IGNORECASE | re.MULTILINE)
+# Begins a keyword that may include a file, in UTF-8 or UTF-16, with a byte order mark or without.
+INCLUDING = re.compile(rb"^[\s\0\xef\xbb\xbf\xff\xfe]*\*[\s\0]*i", re.IGNORECASE | re.MULTILINE)
+# First bytes of a file in UTF-16: a mark, a blank, or the star of a keyword.
+LITTLE_ENDIAN = re.compile(rb"\xff\xfe|[\s*]\0")
+BIG_ENDIAN = re.compile(rb"\xfe\xff|\0[\s*]")
 # Stands for bytes that are not UTF-8; in comments they do not matter.
 UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 # Characters of a line in a message.
@@ -180,9 +183,19 @@ class _Files:
                     f"{path}: expected at most {MOST_FILES} files of {MOST_BYTES >> 30} GiB "
                     "together, found more"
                 )
-            return path.read_text(encoding="utf-8-sig", errors="replace")
+            return _decoded(path.read_bytes())
         except OSError as error:
             raise MeshError(f"{path}: cannot read the mesh file: {error.strerror}") from error
+
+
+def _decoded(data: bytes) -> str:
+    """The text of a file in UTF-8 or, as some programs on Windows write it, UTF-16."""
+    encoding = "utf-8"
+    if LITTLE_ENDIAN.match(data):
+        encoding = "utf-16-le"
+    elif BIG_ENDIAN.match(data):
+        encoding = "utf-16-be"
+    return data.decode(encoding, errors="replace").removeprefix("\N{BYTE ORDER MARK}")
 
 
 def _card(line: str, place: str) -> Card:

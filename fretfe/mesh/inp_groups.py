@@ -17,7 +17,7 @@ from fretfe.case import AnyBody, Selector
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import SOLID_TYPES, TYPES, complete, in_gmsh_order
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
-from fretfe.mesh.inp import Constant, Deck, Material, read_deck
+from fretfe.mesh.inp import FACES, Constant, Deck, Material, Side, read_deck
 from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
 from fretfe.mesh.planes import upright
 
@@ -329,7 +329,7 @@ class _Groups:
         elif label in deck.node_sets:
             found = self._of_nodes(name, label, set(deck.node_sets[label]))
         elif label in deck.element_sets:
-            found = self._of_elements(name, label, deck.element_sets[label])
+            found = self._of_elements(name, f"the element set {label}", deck.element_sets[label])
         elif label in deck.broken:
             raise MeshError(f"{deck.broken[label]}; the boundary '{name}' needs it")
         else:
@@ -348,12 +348,23 @@ class _Groups:
             free.setdefault(facet.element, []).append(facet)
         found = []
         for element, side in entries:
-            if side and (element, side) not in self._by_side:
+            kind, _ = self._deck.elements[element]
+            covers = self._dimension == 3 and PLANE.match(kind) is not None
+            if side == Side.FACE and not covers:
+                raise MeshError(
+                    f"{self._path}: boundary '{name}': expected an edge, E1 to E4 (Abaqus) or S3 "
+                    f"to S6 (CalculiX), of the shell {self._deck.text(element)} ({kind}), found "
+                    f"one of its faces ({', '.join(FACES)})"
+                )
+            if covers and side <= 0:
+                found += self._of_elements(name, "the surface", [element])
+            elif side and (element, side) not in self._by_side:
                 raise MeshError(
                     f"{self._path}: boundary '{name}': element {self._deck.text(element)}, "
                     f"side S{side} is no side of an element of a body"
                 )
-            found += [self._by_side[element, side]] if side else free.get(element, [])
+            else:
+                found += [self._by_side[element, side]] if side else free.get(element, [])
         return found
 
     def _of_nodes(self, name: str, label: str, nodes: set[int]) -> list[Facet]:
@@ -382,7 +393,7 @@ class _Groups:
             if not FACET_ELEMENTS[self._dimension].match(kind) or facet is None:
                 raise MeshError(
                     f"{self._path}: boundary '{name}': expected {what} the bodies in "
-                    f"the element set {label}, found element {self._deck.text(number)} "
+                    f"{label}, found element {self._deck.text(number)} "
                     f"({kind}); use a node set or a surface"
                 )
             found.append(facet)

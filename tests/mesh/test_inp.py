@@ -14,6 +14,7 @@ from fretfe.case import Body, parse_case
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.gmsh import RawMesh
+from fretfe.mesh.inp_cards import included_files
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.inp_outline import outline
 from fretfe.mesh.split import mesh_from_raw
@@ -103,6 +104,53 @@ def test_the_same_mesh_written_otherwise(tmp_path: Path, old: str, new: str) -> 
     np.testing.assert_array_equal(found.points, plain.points)
 
 
+@pytest.mark.parametrize(
+    ("how", "parts"),
+    [
+        ("UNION", "*SURFACE, NAME=A\n1, S3\n*SURFACE, NAME=B\n2, S3\n3, S3\n"),
+        ("INTERSECTION", "*SURFACE, NAME=A\nTOP, S3\n1, S1\n*SURFACE, NAME=B\n21, S3\nTOP, S3\n"),
+        ("DIFF", "*SURFACE, NAME=A\nTOP, S3\n1, S1\n*SURFACE, NAME=B\n1, S1\n"),
+    ],
+)
+def test_surfaces_of_surfaces(tmp_path: Path, how: str, parts: str) -> None:
+    """They are read when all others are known, wherever they stand."""
+    combined = f"*SURFACE, NAME=FACE, COMBINE={how}\nA, B\n{parts}"
+    found = read(tmp_path, DECK.replace("*SURFACE, NAME=FACE\nTOP, S3\n", combined))
+    assert blocks(found) == blocks(read(tmp_path, DECK))
+
+
+def test_parts_of_surfaces_without_sides(tmp_path: Path) -> None:
+    """Which side is free depends on the elements: no two of them can be compared."""
+    combined = "*SURFACE, NAME=FACE, COMBINE=DIFFERENCE\nHEAD, B\n*SURFACE, NAME=B\n1,\n"
+    text = DECK.replace("*SURFACE, NAME=FACE\nTOP, S3\n", combined)
+    assert "expected surfaces with sides (S1, ...) for DIFFERENCE" in refused(tmp_path, text)
+    three = text.replace("HEAD, B", "HEAD, HEAD, HEAD")
+    assert "two, found DIFFERENCE of 3" in " ".join(refused(tmp_path, three).split())
+
+
+@pytest.mark.parametrize("encoding", ["utf-16", "utf-16-le", "utf-16-be", "utf-8-sig"])
+def test_files_of_windows(tmp_path: Path, encoding: str) -> None:
+    plain = read(tmp_path, DECK)
+    (tmp_path / "rest.inp").write_text(DECK, encoding=encoding)
+    (tmp_path / "pad.inp").write_text("*INCLUDE, INPUT=rest.inp\n", encoding=encoding)
+    found = read_inp(tmp_path / "pad.inp", BODIES, ["face", "head"], ({}, {}))
+    assert blocks(found) == blocks(plain)
+    assert list(included_files(tmp_path / "pad.inp")) == [tmp_path / "rest.inp"]
+
+
+@pytest.mark.parametrize("side", ["SPOS", "sneg", "S2", ""])
+def test_shells_on_solids_stand_for_their_facets(tmp_path: Path, side: str) -> None:
+    corners = [(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))]
+    nodes = "".join(f"{n}, {x}, {y}, {z}\n" for n, (x, y, z) in enumerate(corners, start=1))
+    (tmp_path / "cube.inp").write_text(
+        f"*NODE\n{nodes}*ELEMENT, TYPE=C3D8, ELSET=CUBE\n1, 1, 2, 3, 4, 5, 6, 7, 8\n"
+        f"*ELEMENT, TYPE=S4, ELSET=SKIN\n2, 5, 6, 7, 8\n*SURFACE, NAME=TOP\nSKIN, {side}\n"
+    )
+    raw = read_inp(tmp_path / "cube.inp", {"cube": STEEL}, ["top"], ({}, {}))
+    (found,) = raw.boundaries["top"]
+    assert sorted(found.nodes[0]) == [4, 5, 6, 7] and raw.notes == ()
+
+
 def test_included_rows_go_on_with_the_keyword_before_them(tmp_path: Path) -> None:
     (tmp_path / "mesh").mkdir()
     (tmp_path / "mesh" / "nodes.txt").write_text(NODES)
@@ -121,10 +169,11 @@ def test_included_rows_go_on_with_the_keyword_before_them(tmp_path: Path) -> Non
         ("*NODE\n", "*NODE, SYS=C\n", "expected x, y and z, found SYSTEM=CYLINDRICAL"),
         ("*NODE\n", "*NODE, INP=x\n", "the parameter INPUT is not supported"),
         ("1, 3, 1", "1, 3, 1, 1", "expected first, last and perhaps step"),
-        ("CPE4", "S4", "which is one of its faces"),
+        ("CPE4", "S4", "found one of its faces (SPOS, SNEG, S1, S2)"),
         ("TOP, S3", "NONE, S3", "there is no set 'NONE'; the boundary 'face' needs it"),
         ("TOP, S3", "NONE, SPOS", "there is no set 'NONE'; the boundary 'face' needs it"),
         ("NAME=FACE", "NAME=FACE, TYPE=SEGMENTS", "surfaces of type SEGMENTS are not supported"),
+        ("NAME=FACE", "NAME=FACE, COMBINE=UNION", "there is no surface 'TOP' of elements"),
         ("ELSET=LOW", "ELSET=LOW, OFFSET=5", "the parameter OFFSET is not supported"),
     ],
 )
@@ -138,13 +187,14 @@ def test_what_is_not_understood(tmp_path: Path, old: str, new: str, message: str
 def test_what_is_not_used_is_no_obstacle(tmp_path: Path) -> None:
     lines = "*NSET, NSET=PROBE\nNOT_WRITTEN\n*SURFACE, TYPE=SEGMENTS, NAME=ROLL\nSTART, 0., 5.\n"
     rigid = "*NODE, NSET=RP\n99, 0., 5.\n*RIGID BODY, ANALYTICAL SURFACE=ROLL, REF NODE=99\n"
-    found = read(tmp_path, DECK + lines + rigid)
+    change = "*MODEL CHANGE, TYPE=CONTACT PAIR, REMOVE\nFACE, HEAD\n"
+    found = read(tmp_path, DECK + lines + rigid + change)
     assert blocks(found) == blocks(read(tmp_path, DECK))
     assert found.notes[0].startswith(
         "pad.inp: sets and surfaces that cannot be read, and are not used: PROBE, ROLL; PROBE: "
         "pad.inp, line 32: cannot read *NSET: there is no set 'NOT_WRITTEN'"
     )
-    assert "1 *RIGID BODY" in found.notes[1]
+    assert "1 *MODEL CHANGE, 1 *RIGID BODY" in found.notes[1]
 
 
 def test_constants_over_temperature(tmp_path: Path) -> None:

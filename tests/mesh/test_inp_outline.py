@@ -228,9 +228,18 @@ def test_wrong_assemblies(tmp_path: Path, old: str, new: str, message: str) -> N
 
 
 def test_parts_that_nothing_places(tmp_path: Path) -> None:
+    assembly = "*ASSEMBLY, NAME=A\n*END ASSEMBLY\n"
     assert "found 0 nodes and 0 elements; no instance places the parts SQUARE" in refused(
-        tmp_path, PART + MATERIAL
+        tmp_path, PART + assembly + MATERIAL
     )
+
+
+def test_parts_without_an_assembly(tmp_path: Path) -> None:
+    """A part that nothing can place is where its coordinates are."""
+    found = deck(tmp_path, PART + MATERIAL)
+    assert [found.text(number) for number in found.nodes] == [f"SQUARE.{n}" for n in range(1, 5)]
+    assert found.element_sets["SQUARE"] == found.element_sets["ALL"]
+    assert found.surfaces["HEAD"] == found.surfaces["SQUARE.HEAD"]
 
 
 def test_included_files(tmp_path: Path) -> None:
