@@ -185,8 +185,7 @@ def _of_deck(
     for name in bare:
         label = labels.get(name) if isinstance(labels, Mapping) else None
         label = label.get("label") if isinstance(label, Mapping) else None
-        elements = deck.element_sets.get(str(label or name).upper(), ())
-        materials = deck.materials_of(elements)
+        materials = deck.materials_of(deck.elements_of(str(label or name).upper()))
         one = deck.materials.get(materials[0]) if len(materials) == 1 else None
         material = one or Material()
         if missing := [key for key in ("young", "poisson")

@@ -33,22 +33,41 @@ CHECK_EXAMPLES = examples(
 def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
     """Check a case and its mesh, and list what would be solved.
 
-    Of an Abaqus or CalculiX input file, print the beginning of a case.
+    Of an Abaqus or CalculiX input file, print the case that it amounts to.
     """
     from fretfe.case import load_case, parse_assignments
     from fretfe.case.base import ABAQUS
     from fretfe.checked import check as check_case
-    from fretfe.mesh.inp_outline import outline
 
     if rank_from_environment() > 0:
         return
     if case.suffix.lower() in ABAQUS.suffixes:
-        for line in outline(case):
-            print(line)
+        _propose(case)
         return
     checked = check_case(load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo))
     if checked is not None:
         _print(checked)
+
+
+def _propose(deck: Path) -> None:
+    """Print the case that a deck amounts to, and whether it could be solved."""
+    import tomllib
+
+    from fretfe.case import parse_case
+    from fretfe.checked import check as check_case
+    from fretfe.errors import FretfeError
+    from fretfe.mesh.inp_outline import outline
+
+    text, source = "\n".join(outline(deck)), deck.with_suffix(".toml")
+    print(text)
+    try:
+        check_case(parse_case(tomllib.loads(text), source))
+    except FretfeError as error:
+        print("# This case cannot be solved yet:")
+        for line in str(error).splitlines():
+            print(f"# {line.removeprefix(f'{source}: ')}")
+    else:
+        print("# This case is valid: write it to a file beside the deck.")
 
 
 def _print(checked: Checked) -> None:

@@ -8,6 +8,7 @@ Parts that are placed as instances become one flat mesh.
 
 from __future__ import annotations
 
+import functools
 import math
 import re
 from collections import Counter
@@ -23,7 +24,7 @@ from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.files import MOST_MEMBERS, MOST_PLACED
 from fretfe.mesh.inp_cards import Card, cards
-from fretfe.mesh.inp_language import JOINED, REFUSED
+from fretfe.mesh.inp_language import ANALYSIS, JOINED, REFUSED
 
 # Say nothing of the model.
 TITLES = ("HEADING",)
@@ -81,6 +82,7 @@ class Level:
         element_sets: numbers of elements.
         surfaces: element numbers and sides: S1 is 1, or a `Side`.
         sections: element sets and their materials.
+        thicknesses: of plane elements, as sections have them.
         broken: why a set or surface cannot be read, by name; it is in none of the others.
         waiting: sets that name others which have not come yet.
         surface_cards: surfaces, which are read when all sets are known.
@@ -92,6 +94,7 @@ class Level:
     element_sets: dict[str, list[int]] = field(default_factory=dict)
     surfaces: dict[str, list[tuple[int, int]]] = field(default_factory=dict)
     sections: list[tuple[str, str]] = field(default_factory=list)
+    thicknesses: set[float] = field(default_factory=set)
     broken: dict[str, str] = field(default_factory=dict)
     waiting: list[Card] = field(default_factory=list)
     surface_cards: list[Card] = field(default_factory=list)
@@ -162,12 +165,14 @@ class Deck(Level):
     Attributes:
         instances: by name, in order, the number added to those of their nodes and elements.
         materials: by name.
-        unused: how often there was each keyword that was not used.
+        unused: how often there was each keyword that says nothing of the mesh.
+        analysis: keywords of contacts and steps, which are among these.
     """
 
     instances: dict[str, int] = field(default_factory=dict)
     materials: dict[str, Material] = field(default_factory=dict)
     unused: Counter[str] = field(default_factory=Counter)
+    analysis: list[Card] = field(default_factory=list)
 
     def first(self, instance: str) -> int:
         """The number added to those of an instance."""
@@ -192,6 +197,34 @@ class Deck(Level):
         }
         return sorted({names[number] for number in elements if number in names})
 
+    def elements_of(self, label: str) -> list[int]:
+        """Elements of an element set, or that hang together with the surface or node set."""
+        if label in self.element_sets:
+            return self.element_sets[label]
+        sides = self.surfaces.get(label, ())
+        nodes = [node for number, _ in sides for node in self.elements[number][1]]
+        wanted = {self._pieces.get(node) for node in (*nodes, *self.node_sets.get(label, ()))}
+        return [number for number, (_, own) in self.elements.items()
+                if wanted and self._pieces[own[0]] in wanted]  # fmt: skip
+
+    @functools.cached_property
+    def _pieces(self) -> dict[int, int]:
+        """Nodes of elements, and the number of the piece of the mesh that each is in."""
+        # Imported where it is needed: a mesh is begun without SciPy.
+        from scipy import sparse
+        from scipy.sparse.csgraph import connected_components
+
+        rows = np.repeat(
+            np.arange(len(self.elements)), [len(nodes) for _, nodes in self.elements.values()]
+        )
+        numbers, columns = np.unique(
+            [node for _, nodes in self.elements.values() for node in nodes], return_inverse=True
+        )
+        joined = sparse.coo_matrix((np.ones(len(rows)), (rows, len(self.elements) + columns)),
+                                   shape=(len(self.elements) + len(numbers),) * 2)  # fmt: skip
+        pieces = connected_components(joined, directed=False)[1][len(self.elements) :]
+        return dict(zip(numbers.tolist(), pieces.tolist(), strict=True))
+
     def named(self, name: str) -> bool:
         """True if a set or surface has this name."""
         tables = (self.node_sets, self.element_sets, self.surfaces, self.broken)
@@ -213,6 +246,7 @@ class Deck(Level):
         for each, entries in level.surfaces.items():
             self.surfaces[f"{name}.{each}"] = [(number + first, side) for number, side in entries]
         self.sections += [(f"{name}.{each}", material) for each, material in level.sections]
+        self.thicknesses |= level.thicknesses
         self.broken |= {f"{name}.{each}": reason for each, reason in level.broken.items()}
 
 
@@ -289,6 +323,7 @@ class _Reader:
         of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None
         if block is None and read is None and of_material is None and card.word != "SURFACE":
             self.deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
+            self.deck.analysis += [card] if card.word in ANALYSIS else []
             return
         card.require_text()
         if block is not None:
@@ -406,7 +441,7 @@ class _Reader:
 def _placed(part: Level, rows: list[list[str]]) -> tuple[Level, bool]:
     """A part moved and then turned about an axis, and whether it was, by the rows of *INSTANCE."""
     points = np.array(list(part.nodes.values())).reshape(-1, 3)
-    values = [[_real(value) for value in row if value] for row in rows]
+    values = [[real(value) for value in row if value] for row in rows]
     if len(values) > 2 or [len(row) for row in values][1:] not in ([], [7]):
         raise ValueError(
             "expected a translation and a row with two points of an axis and an angle, found "
@@ -414,7 +449,7 @@ def _placed(part: Level, rows: list[list[str]]) -> tuple[Level, bool]:
         )
     if values and len(values[0]) > 3:
         raise ValueError(f"expected a translation of 3 numbers, found {len(values[0])}")
-    shift = [_real(value) if value else 0.0 for value in rows[0]] if rows else []
+    shift = [real(value) if value else 0.0 for value in rows[0]] if rows else []
     moved = any(shift)
     if moved:
         points = points + (shift + [0.0] * 3)[:3]
@@ -426,7 +461,7 @@ def _placed(part: Level, rows: list[list[str]]) -> tuple[Level, bool]:
         {name: [*members] for name, members in part.node_sets.items()},
         {name: [*members] for name, members in part.element_sets.items()},
         {name: [*entries] for name, entries in part.surfaces.items()},
-        [*part.sections], {**part.broken},
+        [*part.sections], {*part.thicknesses}, {**part.broken},
     ), moved  # fmt: skip
 
 
@@ -450,8 +485,12 @@ def _turned(points: Array, row: Array) -> Array:
     return origin + along + cosine * (arms - along) + sine * np.cross(axis, arms)
 
 
-def _real(text: str) -> float:
-    """A number; Fortran writes 1.0D+00."""
+def real(text: str) -> float:
+    """A number; Fortran writes 1.0D+00.
+
+    Raises:
+        ValueError: it is none, or not finite.
+    """
     value = float(text.upper().replace("D", "E"))
     if not math.isfinite(value):
         raise ValueError(f"expected a finite number, found {text}")
@@ -468,7 +507,7 @@ def _nodes(level: Level, card: Card) -> None:
     for row in card.rows:
         number = level.number(row[0])
         # coordinates at the end of a row may be left out
-        values = [_real(value) if value else 0.0 for value in row[1:4]]
+        values = [real(value) if value else 0.0 for value in row[1:4]]
         x, y, z = values + [0.0] * (3 - len(values))
         if level.nodes.setdefault(number, (x, y, z)) != (x, y, z):
             raise ValueError(f"node {number} is defined twice, at different places")
@@ -626,6 +665,7 @@ def _side(kind: str, text: str) -> int:
 def _section(level: Level, card: Card) -> None:
     if material := card.name("MATERIAL"):
         level.sections.append((card.required("ELSET"), material))
+        level.thicknesses |= {real(value) for row in card.rows[:1] for value in row[:1] if value}
 
 
 def _constants(card: Card, keys: tuple[str, ...]) -> dict[str, Constant]:
@@ -633,7 +673,7 @@ def _constants(card: Card, keys: tuple[str, ...]) -> dict[str, Constant]:
 
     Several rows are over temperature, which follows the numbers of each row.
     """
-    values = [[_real(value) for value in row if value] for row in card.rows]
+    values = [[real(value) for value in row if value] for row in card.rows]
     isotropic = card.choice("TYPE", "ISOTROPIC", "ORTHOTROPIC") == "ISOTROPIC"
     count = len(keys)
     if not isotropic or not values or len(values[0]) < count or "DEPENDENCIES" in card.parameters:
@@ -663,7 +703,7 @@ def _density(material: Material, card: Card) -> None:
 def _expansion(material: Material, card: Card) -> None:
     found = _constants(card, ("expansion",))
     if found and (zero := card.name("ZERO")):
-        found["reference_temperature"] = _real(zero)
+        found["reference_temperature"] = real(zero)
     _take(material, card, found)
 
 

@@ -35,7 +35,7 @@ HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
 # Elements of bodies, and those that may stand for their facets, by dimension.
 BODY_ELEMENTS = {2: PLANE, 3: SOLID}
 FACET_ELEMENTS = {2: LINE, 3: PLANE}
-# Numbers of materials that differ by less, relatively, are the same.
+# Numbers of a deck that differ by less, relatively, are the same.
 SAME = 1e-6
 
 
@@ -75,7 +75,7 @@ def read_inp(
         for name, elements in members.items()
     }
     own = [[(each, cells[each]) for each in elements] for elements in members.values()]
-    groups = _Groups(path, deck, dimension, own)
+    groups = Groups(path, deck, dimension, own)
     outside = {}
     for name in boundaries:
         facets = groups.boundary(name, _label(name, selectors[1]))
@@ -88,16 +88,23 @@ def read_inp(
     return complete(RawMesh(points, dimension, named, outside, notes))
 
 
-def unused(path: Path, deck: Deck, used: Set[int]) -> Iterator[str]:
-    """Parts of the file that are not used, in words."""
+def unused(path: Path, deck: Deck, used: Set[int], read: Set[str] = frozenset()) -> Iterator[str]:
+    """Parts of the file that are not used, in words.
+
+    Args:
+        path: of the file.
+        deck: what was read.
+        used: numbers of elements that are.
+        read: keywords that are.
+    """
     if deck.broken:
         name, reason = next(iter(deck.broken.items()))
         yield (
             f"{path.name}: sets and surfaces that cannot be read, and are not used: "
             f"{listed(deck.broken)}; {name}: {reason.removeprefix(str(path.parent) + '/')}"
         )
-    if deck.unused:
-        words = ", ".join(f"{count} *{word}" for word, count in sorted(deck.unused.items()))
+    if left := sorted((word, count) for word, count in deck.unused.items() if word not in read):
+        words = ", ".join(f"{count} *{word}" for word, count in left)
         yield f"{path.name}: keywords that are not used: {words}"
     kinds = Counter(kind for number, (kind, _) in deck.elements.items() if number not in used)
     if kinds:
@@ -135,7 +142,7 @@ def read_surface(path: Path, name: str) -> DeckSurface:
     deck = read_deck(path)
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
     cells = supported_cells(path, deck, dimension)
-    facets = _Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
+    facets = Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
     numbers = sorted({node for facet in facets for node in facet.nodes})
     place = {number: index for index, number in enumerate(numbers)}
     centres = np.array(
@@ -250,7 +257,9 @@ def _body_elements(
 ) -> list[int]:
     if label in deck.broken:
         raise MeshError(f"{deck.broken[label]}; the body '{name}' needs it")
-    members = dict.fromkeys(deck.element_sets.get(label, ()))
+    members = dict.fromkeys(deck.elements_of(label))
+    if label not in deck.element_sets:  # with shells and lines on it
+        members = {number: None for number in members if number in cells}
     if other := [number for number in members if number not in cells]:
         kind = deck.elements[other[0]][0] if other[0] in deck.elements else "not defined"
         raise MeshError(
@@ -259,8 +268,8 @@ def _body_elements(
         )
     if not members:
         raise MeshError(
-            f"{path}: no element set {label} for the body '{name}'; element sets: "
-            f"{listed(deck.element_sets)}"
+            f"{path}: no element set {label} for the body '{name}', and no surface of it; element "
+            f"sets: {listed(deck.element_sets)}"
         )
     return list(members)
 
@@ -296,7 +305,7 @@ def _blocks(rows: Iterable[list[int]], dimension: int) -> list[ElementBlock]:
     ]
 
 
-class _Groups:
+class Groups:
     """Facets of boundaries: surfaces, node sets, element sets of lines or shells, in this order."""
 
     def __init__(

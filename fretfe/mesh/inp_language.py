@@ -58,11 +58,24 @@ OPEN_PARAMETERS: dict[str, tuple[str, ...]] = {
     "ELASTIC": ("COMPRESSIONFACTOR", "DEPENDENCIES", "DISTRIBUTION", "MODULI", "TYPE"),
     "DENSITY": ("DEPENDENCIES", "DISTRIBUTION", "POREFLUID"),
     "EXPANSION": ("DEPENDENCIES", "POREFLUID", "TYPE", "USER", "ZERO"),
+    "SURFACEINTERACTION": ("NAME", "PADTHICKNESS", "UNSYMM", "USER"),
+    "FRICTION": ("ROUGH", "LAGRANGE", "SLIPTOLERANCE", "TAUMAX", "USER"),
+    "AMPLITUDE": ("DEFINITION", "INPUT", "NAME", "SMOOTH", "TIME", "VALUE"),
+    "STEP": ("AMPLITUDE", "INC", "NAME", "NLGEOM", "PERTURBATION", "UNSYMM"),
+    **dict.fromkeys(("STATIC", "VISCO"), ("DIRECT", "RIKS", "STABILIZE")),
+    "ENDSTEP": (),
+    "BOUNDARY": ("AMPLITUDE", "FIXED", "OP", "SUBMODEL", "TYPE", "USER"),
+    **dict.fromkeys(("CLOAD", "DLOAD", "DSLOAD"), ("AMPLITUDE", "FOLLOWER", "OP", "USER")),
     "RIGIDBODY": (
         *("ANALYTICALSURFACE", "DENSITY", "ELSET", "ISOTHERMAL", "NSET", "OFFSET", "PINNSET"),
         *("POSITION", "REFNODE", "THICKNESS", "TIENSET"),
     ),
 }
+# Keywords of contacts and steps: they say nothing of the mesh, but what a case could be.
+ANALYSIS = (
+    *("SURFACEINTERACTION", "FRICTION", "CONTACTPAIR", "AMPLITUDE", "STEP", "STATIC", "VISCO"),
+    *("ENDSTEP", "BOUNDARY", "CLOAD", "DLOAD", "DSLOAD"),
+)
 # Keywords that change nodes, elements or what numbers mean, or that join parts: without them the
 # model would be another one. And what to do instead.
 _WRITTEN_OUT = "write out all nodes and elements"

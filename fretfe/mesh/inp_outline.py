@@ -1,22 +1,28 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The beginning of a case file from an Abaqus or CalculiX input file."""
+"""A case file from an Abaqus or CalculiX input file."""
 
 from __future__ import annotations
 
 import json
 import re
 from collections import Counter
-from collections.abc import Iterator, Set
+from collections.abc import Iterable, Iterator, Mapping, Set
 from pathlib import Path
+from typing import Any
 
-from fretfe.mesh.inp import Constant, Deck, Material, read_deck
+import numpy as np
+
+from fretfe.mesh.inp import Deck, Material, read_deck
 from fretfe.mesh.inp_groups import (
     FACET_ELEMENTS,
     SOLID,
+    Groups,
     listed,
     supported_cells,
     unused,
 )
+from fretfe.mesh.inp_steps import Proposal, propose
+from fretfe.mesh.planes import PLANE_TOLERANCE
 
 # Names that a case may have.
 NAME = re.compile(r"[A-Za-z0-9_-]{1,100}\Z")
@@ -25,10 +31,11 @@ NUMBERS = (*NEEDED, "density", "expansion", "reference_temperature")
 
 
 def outline(path: Path) -> Iterator[str]:
-    """Lines for a case file: bodies with their materials, and what boundaries could be.
+    """Lines of a case file: bodies with their materials, contacts, supports and loads.
 
     The bodies are the instances of the file, or, where it has none, the element sets to which its
-    sections give materials, or all element sets with elements of bodies.
+    sections give materials, or all element sets with elements of bodies; or the pieces with the
+    surfaces of its contacts, where one of these has both surfaces of a contact.
 
     Args:
         path: input file.
@@ -38,10 +45,14 @@ def outline(path: Path) -> Iterator[str]:
     """
     deck = read_deck(path)
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = supported_cells(path, deck, dimension).keys()
+    cells = supported_cells(path, deck, dimension)
     facets = _of_kind(deck, FACET_ELEMENTS[dimension])
-    labels = _bodies(deck, cells)
+    labels = _bodies(deck, cells.keys())
+    found = _proposal(path, deck, cells, dimension)
+    labels = _in_pieces(deck, cells.keys(), labels, found.contacts.values())
     names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
+    if dimension == 2:
+        yield from _model(deck, cells.keys())
     yield "[geometry]"
     yield f"file = {_quoted(path.name)}"
     if other := {name: label for label, name in names.items() if name.upper() != label}:
@@ -52,15 +63,78 @@ def outline(path: Path) -> Iterator[str]:
     yield ""
     yield "[bodies]"
     for label, name in names.items():
-        members = [number for number in deck.element_sets[label] if number in cells]
-        yield from _body(deck, name, members)
+        yield from _body(deck, name, [each for each in deck.elements_of(label) if each in cells])
+    yield from _tables({"contacts": found.contacts, "supports": found.supports,
+                        "loads": found.loads})  # fmt: skip
+    if found.lacks:
+        yield ""
+        yield "# not taken over:"
+        yield from (f"# {lack.removeprefix(f'{path.parent}/')}" for lack in found.lacks)
     yield ""
     yield "# names that a boundary may have, as such or as a label in [geometry.boundaries]"
     yield f"# surfaces: {listed(deck.surfaces)}"
     yield f"# node sets: {listed(deck.node_sets)}"
     sets = (name for name, members in deck.element_sets.items() if facets.issuperset(members))
     yield f"# element sets: {listed(sets)}"
-    yield from (f"# {note}" for note in unused(path, deck, cells | facets))
+    yield from (f"# {note}" for note in unused(path, deck, cells.keys() | facets, found.read))
+
+
+def _proposal(
+    path: Path, deck: Deck, cells: Mapping[int, tuple[int, ...]], dimension: int
+) -> Proposal:
+    """Contacts, supports and loads of a file."""
+    if dimension == 2 and not _upright(deck, cells.values()):
+        turned = "the bodies are not in a plane of constant z: their coordinates have other names"
+        return Proposal(lacks=[f"{path.name}: contacts, supports and loads: {turned}"])
+    groups = Groups(path, deck, dimension, [list(cells.items())])
+    return propose(deck, dimension, lambda label: groups.boundary(label, label))
+
+
+def _in_pieces(
+    deck: Deck, cells: Set[int], labels: list[str], contacts: Iterable[Mapping[str, Any]]
+) -> list[str]:
+    """Labels of the bodies; surfaces of contacts where a contact is within one of these."""
+    surfaces = dict.fromkeys(
+        contact[key] for contact in contacts for key in ("surface1", "surface2")
+    )
+    pieces: dict[str, set[int]] = {}
+    for surface in surfaces:
+        own = set(deck.elements_of(surface)) & cells
+        if own and all(own.isdisjoint(other) for other in pieces.values()):
+            pieces[surface] = own
+    within = any(len([own for own in pieces.values() if own <= set(deck.element_sets[label])]) > 1
+                 for label in labels)  # fmt: skip
+    return list(pieces) if within and set().union(*pieces.values()) == cells else labels
+
+
+def _model(deck: Deck, cells: Set[int]) -> Iterator[str]:
+    """The table of the plane state, where it is not what a case has without it."""
+    stress = {deck.elements[number][0].startswith("CPS") for number in cells}
+    lines = ['plane = "stress"'] if stress == {True} else []
+    if len(stress) > 1:
+        yield "# elements of plane stress and of plane strain: plane strain is taken for all"
+    if len(deck.thicknesses) == 1 and deck.thicknesses != {1.0}:
+        lines += [f"thickness = {thickness!r}" for thickness in deck.thicknesses]
+    elif len(deck.thicknesses) > 1:
+        yield f"# sections of different thickness, {deck.thicknesses}: 1 is taken for all"
+    if lines:
+        yield from ("[model]", *lines, "")
+
+
+def _upright(deck: Deck, cells: Iterable[tuple[int, ...]]) -> bool:
+    """True if x and y of the file are those of a plane case."""
+    points = [deck.nodes[node] for nodes in cells for node in nodes]
+    extent = np.ptp(points, axis=0) if points else np.zeros(3)
+    return bool(extent[2] <= PLANE_TOLERANCE * extent.max())
+
+
+def _tables(tables: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> Iterator[str]:
+    """Tables of a case."""
+    for kind, named in tables.items():
+        for name, table in named.items():
+            yield ""
+            yield f"[{kind}.{name}]"
+            yield from (f"{key} = {_toml(value)}" for key, value in table.items())
 
 
 def _of_kind(deck: Deck, kinds: re.Pattern[str]) -> set[int]:
@@ -105,8 +179,10 @@ def _body(deck: Deck, name: str, members: list[int]) -> Iterator[str]:
     yield f"{name} = {{ {numbers} }}" if numbers else f"{name} = {{}}"
 
 
-def _toml(value: Constant) -> str:
-    """A constant as a case file has it."""
+def _toml(value: Any) -> str:
+    """A value as a case file has it."""
     if isinstance(value, dict):
-        return "{ " + ", ".join(f"{key} = {rows!r}" for key, rows in value.items()) + " }"
-    return repr(value)
+        return "{ " + ", ".join(f"{key} = {_toml(rows)}" for key, rows in value.items()) + " }"
+    if isinstance(value, list | tuple):
+        return "[" + ", ".join(map(_toml, value)) + "]"
+    return _quoted(value) if isinstance(value, str) else repr(value).lower()

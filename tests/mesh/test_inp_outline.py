@@ -327,7 +327,7 @@ def test_the_beginning_of_a_case(tmp_path: Path) -> None:
     assert "# node sets: LOWER.ALL, UPPER.ALL, FOOT, CORNER" in lines
     assert "# pad.inp: keywords that are not used: 1 *PLASTIC, 1 *PREPRINT" in lines
     result = CliRunner().invoke(app, ["check", str(path)])
-    assert result.output.splitlines() == lines
+    assert result.output.splitlines()[: len(lines)] == lines
     for name, body in tables["bodies"].items():
         assert Body.model_validate(body) == Body.model_validate(steel), name
 

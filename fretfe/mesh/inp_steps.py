@@ -1,0 +1,414 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contacts, supports and loads of an Abaqus or CalculiX input file, as a case has them.
+
+Static steps one after the other: a load goes linearly from where it stands to its value at the end
+of the step, or as its amplitude says; what a later step does not name stays (OP=MOD) or goes to
+zero (OP=NEW). Amplitudes are factors over the time of the step, or over that of all steps.
+(Abaqus Analysis User's Guide, Prescribed conditions; CalculiX has the same rules.)
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from functools import partial
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fretfe.errors import MeshError
+from fretfe.mesh.inp import Deck, real
+from fretfe.mesh.inp_cards import Card
+from fretfe.mesh.inp_groups import SAME
+
+AXES = ("x", "y", "z")
+HELD = {
+    "ENCASTRE": AXES, "PINNED": AXES, "XSYMM": ("x",), "YSYMM": ("y",), "ZSYMM": ("z",),
+}  # fmt: skip
+# Load steps for a step of the deck that leaves its increments to the program.
+INCREMENTS = 10
+# Keywords that begin what a step does, other than statics.
+STATICS = ("STATIC", "VISCO")
+LOADS = ("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD")
+
+# Whether a boundary has facets; raises MeshError with a reason if it has none.
+Find = Callable[[str], object]
+TomlTable = dict[str, Any]
+
+
+@dataclass
+class Proposal:
+    """Tables of a case, by name, and what of the deck is in none of them.
+
+    Attributes:
+        contacts: from pairs of surfaces.
+        supports: boundaries held from the beginning to the end.
+        loads: with their histories.
+        lacks: what was not understood, in words.
+        read: keywords that were.
+    """
+
+    contacts: dict[str, TomlTable] = field(default_factory=dict)
+    supports: dict[str, TomlTable] = field(default_factory=dict)
+    loads: dict[str, TomlTable] = field(default_factory=dict)
+    lacks: list[str] = field(default_factory=list)
+    read: set[str] = field(default_factory=set)
+
+
+class _Amplitude(NamedTuple):
+    """Factors (values, if absolute) over the time of the step, or of all steps (total)."""
+
+    times: list[float]
+    values: list[float]
+    total: bool
+    absolute: bool
+
+    def at(self, time: float) -> float:
+        return float(np.interp(time, self.times, self.values))
+
+
+class _Step(NamedTuple):
+    """A static step: when it begins and ends, its first increment, whether loads jump."""
+
+    number: int
+    begin: float
+    end: float
+    increment: float
+    jumps: bool
+
+
+@dataclass
+class _Channel:
+    """A scalar load through the steps.
+
+    Attributes:
+        word: keyword that it is from.
+        place: file and line.
+        table: of the case, but for its history.
+        since: time from which on it acts.
+        points: times, values, and load steps up to there.
+    """
+
+    word: str
+    place: str
+    table: TomlTable
+    since: float
+    points: list[tuple[float, float, int]] = field(default_factory=list)
+
+    @property
+    def value(self) -> float:
+        """Value at the end of what was read."""
+        return self.points[-1][1] if self.points else 0.0
+
+    def go(self, step: _Step, value: float, amplitude: _Amplitude | None) -> None:
+        """Take the points of a step at whose end, or by whose amplitude, it has a value."""
+        if not self.points or self.points[-1][0] < step.begin:
+            self.points.append((step.begin, self.value, 1))
+        points = [(step.end, value)]
+        if amplitude is not None:
+            zero = 0.0 if amplitude.total else step.begin
+            scale = 1.0 if amplitude.absolute else value
+            begin = scale * amplitude.at(step.begin - zero)
+            if not math.isclose(begin, self.value, rel_tol=SAME, abs_tol=SAME * abs(scale)):
+                raise ValueError(
+                    f"its amplitude jumps from {self.value:g} to {begin:g} at t = {step.begin:g}"
+                )
+            inside = [zero + time for time in amplitude.times
+                      if step.begin < zero + time < step.end]  # fmt: skip
+            points = [(time, scale * amplitude.at(time - zero)) for time in [*inside, step.end]]
+        elif step.jumps:
+            points.insert(0, (min(step.begin + step.increment, step.end), value))
+        for time, level in points:
+            before = self.points[-1][0]
+            if time > before:
+                part = (time - before) / step.increment
+                self.points.append((time, level, max(1, math.ceil(part * (1 - 1e-9)))))
+
+    def history(self) -> list[TomlTable]:
+        """Its segments."""
+        return [
+            {"hold": True, "until": _short(time), "steps": steps}
+            if value == before
+            else {"ramp": _short(value), "until": _short(time), "steps": steps}
+            for (_, before, _), (time, value, steps) in pairwise([(0.0, 0.0, 1), *self.points])
+            if time > 0.0
+        ]
+
+
+def propose(deck: Deck, dimension: int, find: Find) -> Proposal:
+    """The contacts, supports and loads of a deck.
+
+    Args:
+        deck: as it was read.
+        dimension: of its bodies.
+        find: looks for a boundary.
+    """
+    reader = _Steps(deck, dimension, find)
+    model: list[Card] = []
+    steps: list[list[Card]] = []
+    within = False
+    for card in deck.analysis:
+        if card.word == "STEP":
+            within = True
+            steps.append([])
+        (steps[-1] if within else model).append(card)
+        within = within and card.word != "ENDSTEP"
+    reader.model(model)
+    for cards in steps:
+        reader.step(cards)
+    return reader.finish()
+
+
+class _Steps:
+    def __init__(self, deck: Deck, dimension: int, find: Find) -> None:
+        self._deck, self._find, self._axes = deck, find, AXES[:dimension]
+        self._found = Proposal()
+        self._friction: dict[str, float | None] = {}
+        self._amplitudes: dict[str, _Amplitude] = {}
+        self._channels: dict[tuple[str, ...], _Channel] = {}
+        self._end, self._count = 0.0, 0
+        for card in deck.analysis:
+            if card.word == "AMPLITUDE":
+                self._try(card, self._amplitude)
+
+    def model(self, cards: Sequence[Card]) -> None:
+        """Read what stands outside the steps."""
+        interaction = ""
+        for card in cards:
+            if card.word == "SURFACEINTERACTION":
+                interaction = card.name("NAME") or ""
+                self._friction[interaction] = 0.0
+                self._found.read.add(card.keyword)
+            elif card.word == "FRICTION":
+                self._friction[interaction] = None
+                self._try(card, partial(self._coefficient, interaction))
+            elif card.word in LOADS:
+                self._try(card, partial(self._load, _Step(0, 0.0, 0.0, 1.0, jumps=False)))
+        for card in cards:
+            if card.word == "CONTACTPAIR":
+                self._try(card, self._contact)
+
+    def step(self, cards: Sequence[Card]) -> None:
+        """Read a step."""
+        self._count += 1
+        first = cards[0]
+        static = next((card for card in cards if card.word in STATICS), None)
+        if static is None or "PERTURBATION" in first.parameters:
+            self._lack(first, f"step {self._count} is not static: its loads are not taken over")
+            return
+        if "NLGEOM" in first.parameters and first.choice("NLGEOM", "YES", "NO") == "YES":
+            self._lack(first, "NLGEOM: displacements and turns are small here")
+        row = [real(value) if value else 0.0 for value in (static.rows or [[""]])[0][:2]]
+        increment, period = ((value or 1.0) for value in (*row, 0.0, 0.0)[:2])
+        if "DIRECT" not in static.parameters:
+            increment = max(increment, period / INCREMENTS)
+        jumps = first.choice("AMPLITUDE", "RAMP", "STEP") == "STEP"
+        step = _Step(self._count, self._end, self._end + period, increment, jumps)
+        self._end = step.end
+        self._found.read |= {first.keyword, static.keyword, cards[-1].keyword}
+        before = set(self._channels)
+        named: set[tuple[str, ...]] = set()
+        renewed: set[str] = set()
+        for card in cards:
+            if card.word in LOADS:
+                if card.choice("OP", "MOD", "NEW") == "NEW":
+                    renewed.add(card.word)
+                self._try(card, lambda each: named.update(self._load(step, each)))
+        for key in sorted(before - named):
+            channel = self._channels[key]
+            if channel.word in renewed and channel.word == "BOUNDARY":
+                self._lack(first, f"step {self._count} frees {' '.join(key[1:])} (OP=NEW)")
+            elif channel.word in renewed:
+                channel.go(step, 0.0, None)
+
+    def finish(self) -> Proposal:
+        """Make the tables."""
+        found = self._found
+        for channel in self._channels.values():
+            table, still = channel.table, not any(value for _, value, _ in channel.points)
+            name = _name(str(table.get("boundary", table["type"])))
+            if channel.word == "BOUNDARY" and channel.since > 0.0:
+                found.lacks.append(
+                    f"{channel.place}: {table['boundary']} is held or moved along "
+                    f"{table['direction']} from t = {channel.since:g} on only"
+                )
+            elif channel.word == "BOUNDARY" and still:
+                support = found.supports.setdefault(
+                    name, {"boundary": table["boundary"], "fix": []}
+                )
+                support["fix"].append(table["direction"])
+            elif not still:
+                along = table.get("direction")
+                name = f"{name}_{along}" if isinstance(along, str) else name
+                while name in found.loads:
+                    name += "_"
+                found.loads[name] = {**table, "history": channel.history()}
+        return found
+
+    def _try(self, card: Card, read: Callable[[Card], object]) -> None:
+        """Read a card, or say why it is not understood."""
+        try:
+            card.require_text()
+            read(card)
+            self._found.read.add(card.keyword)
+        except (ValueError, IndexError, MeshError) as error:
+            self._lack(card, str(error))
+
+    def _lack(self, card: Card, reason: str) -> None:
+        self._found.lacks.append(f"{card.place}: *{card.keyword}: {reason}")
+
+    def _amplitude(self, card: Card) -> None:
+        if (kind := card.choice("DEFINITION", "TABULAR", "PERIODIC")) != "TABULAR":
+            raise ValueError(f"expected a table, found DEFINITION={kind}")
+        numbers = [real(value) for row in card.rows for value in row if value]
+        times, values = numbers[::2], numbers[1::2]
+        if len(times) != len(values) or not times or any(b < a for a, b in pairwise(times)):
+            raise ValueError("expected pairs of increasing times and values")
+        self._amplitudes[card.required("NAME")] = _Amplitude(
+            times, values,
+            card.choice("TIME", "STEPTIME", "TOTALTIME") == "TOTALTIME",
+            card.choice("VALUE", "RELATIVE", "ABSOLUTE") == "ABSOLUTE",
+        )  # fmt: skip
+
+    def _coefficient(self, interaction: str, card: Card) -> None:
+        if "ROUGH" in card.parameters or len(card.rows) != 1:
+            raise ValueError("expected one coefficient of friction")
+        self._friction[interaction] = real(card.rows[0][0])
+
+    def _contact(self, card: Card) -> None:
+        interaction = card.name("INTERACTION") or ""
+        friction = self._friction.get(interaction)
+        for row in card.rows:
+            one, other = (value.strip('"').upper() for value in row[:2])
+            if not other:
+                raise ValueError(f"expected two surfaces, found {one} alone")
+            for surface in (one, other):
+                self._find(surface)
+            table: TomlTable = {"surface1": one, "surface2": other}
+            if friction is None:
+                self._lack(card, f"no friction is known of the interaction {interaction or '-'}")
+            else:
+                table["friction"] = friction
+            name = _name(one)
+            while name in self._found.contacts:
+                name += "_"
+            self._found.contacts[name] = table
+
+    def _load(self, step: _Step, card: Card) -> list[tuple[str, ...]]:
+        """Take the values of a card for a step; keys of their channels."""
+        amplitude = None
+        if name := card.name("AMPLITUDE"):
+            if name not in self._amplitudes:
+                raise ValueError(f"the amplitude {name} is not known")
+            amplitude = self._amplitudes[name]
+        read = {"BOUNDARY": self._held, "CLOAD": self._force, "DLOAD": self._distributed,
+                "DSLOAD": self._pressure}[card.word]  # fmt: skip
+        keys = []
+        refused: dict[str, list[str]] = {}
+        for row in card.rows:
+            try:
+                for table, value in read(card, row):
+                    key = (card.word, *(str(table[k]) for k in table if k != "type"))
+                    new = _Channel(card.word, card.place, table, step.begin)
+                    channel = self._channels.setdefault(key, new)
+                    if step.number or value:
+                        channel.go(step, value, amplitude)
+                    keys.append(key)
+            except (ValueError, IndexError, MeshError) as error:
+                refused.setdefault(str(error), []).append(", ".join(row))
+        for reason, (first, *others) in refused.items():
+            self._lack(card, f"{first}{f' and {len(others)} more' if others else ''}: {reason}")
+        return keys
+
+    def _held(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
+        """Held and prescribed displacements; those that no body has are left out."""
+        if "FIXED" in card.parameters or card.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT":
+            raise ValueError("expected displacements")
+        boundary = self._nodes(row[0])
+        word = row[1].upper()
+        if word in HELD:
+            axes: Sequence[str] = [axis for axis in HELD[word] if axis in self._axes]
+        else:
+            first = int(word)
+            last = int(row[2]) if len(row) > 2 and row[2] else first
+            axes = self._axes[first - 1 : last]
+        value = real(row[3]) if len(row) > 3 and row[3] else 0.0
+        for axis in axes:
+            yield {"type": "displacement", "boundary": boundary, "direction": axis}, value
+
+    def _force(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
+        """Equal forces on the nodes of a boundary, as one force that is spread over it."""
+        if "FOLLOWER" in card.parameters:
+            raise ValueError("expected forces that keep their direction")
+        boundary, place = self._nodes(row[0]), int(row[1]) - 1
+        count = len(set(self._deck.node_sets[boundary]))
+        table = {"type": "force", "boundary": boundary, "direction": self._axes[place]}
+        yield table, count * real(row[2])
+
+    def _pressure(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
+        """A pressure on a surface, or a traction along a vector."""
+        label = row[0].strip('"').upper()
+        self._find(label)
+        kind = row[1].upper()
+        if kind == "P":
+            yield self._traction(label, "normal"), -real(row[2])
+        elif kind == "TRVEC":
+            along = [real(value) for value in row[3 : 3 + len(self._axes)]]
+            yield self._traction(label, along), real(row[2])
+        else:
+            raise ValueError(f"expected P or TRVEC, found {kind}")
+
+    def _distributed(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
+        """Pressure on sides of elements that are a surface of the deck, gravity, rotation."""
+        label, kind = row[0].strip('"').upper(), row[1].upper()
+        if kind in ("GRAV", "CENTRIF"):
+            yield self._body_force(label, kind, [real(value) for value in row[2:] if value])
+            return
+        if not (kind.startswith("P") and kind[1:].isdecimal()):
+            raise ValueError(f"expected P1, P2, ..., GRAV or CENTRIF, found {kind}")
+        members = self._deck.element_sets.get(label, ())
+        wanted = {(number, int(kind[1:])) for number in members}
+        same = (name for name, sides in self._deck.surfaces.items() if set(sides) == wanted)
+        if not wanted or (name := next(same, None)) is None:
+            raise ValueError("expected the sides of a *SURFACE of the file, found others")
+        self._find(name)
+        yield self._traction(name, "normal"), -real(row[2])
+
+    def _body_force(self, label: str, kind: str, numbers: list[float]) -> tuple[TomlTable, float]:
+        members = set(self._deck.element_sets.get(label, ()))
+        if others := self._deck.elements.keys() - members:
+            raise ValueError(f"expected all elements, found {len(others)} that are not in {label}")
+        size = len(self._axes)
+        if kind == "GRAV":
+            return {"type": "acceleration", "direction": numbers[1 : 1 + size]}, numbers[0]
+        if size == 2 and numbers[4:6] != [0.0, 0.0]:
+            raise ValueError(f"expected a rotation about z, found the axis {numbers[4:]}")
+        axis: TomlTable = {"axis": numbers[4:7]} if size == 3 else {}
+        table = {"type": "rotation", "centre": numbers[1 : 1 + size], **axis}
+        return table, math.sqrt(numbers[0])
+
+    def _traction(self, label: str, along: str | list[float]) -> TomlTable:
+        return {"type": "traction", "boundary": label, "direction": along}
+
+    def _nodes(self, text: str) -> str:
+        """A node set that is a boundary."""
+        label = text.strip('"').upper()
+        if label not in self._deck.node_sets:
+            raise ValueError("expected a node set: single nodes are neither held nor loaded here")
+        if label in self._deck.surfaces:
+            raise ValueError(f"expected a name of its own, found {label}, a surface too")
+        self._find(label)
+        return label
+
+
+def _short(value: float) -> float:
+    """A number without what round-off adds."""
+    return float(f"{value:.12g}")
+
+
+def _name(label: str) -> str:
+    """A name in a case."""
+    text = "".join(each if each.isascii() and each.isalnum() else "_" for each in label.lower())
+    return text[:80] or "load"

@@ -1,0 +1,231 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contacts and steps of a deck as tables of a case."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from fretfe.case import parse_case
+from fretfe.cli.app import app
+from fretfe.loads import build_history
+from fretfe.mesh.inp import read_deck
+from fretfe.mesh.inp_outline import outline
+from fretfe.surface.checks import load_mesh
+
+# Two rows of three squares: x from 0 to 3, y from 0 to 1 and from 1 to 2.
+NODES = "".join(
+    f"{first + 4 * row + column}, {column}., {row + height}.\n"
+    for first, height in ((1, 0), (21, 1))
+    for row in range(2)
+    for column in range(4)
+)
+LOW, UP = (
+    "".join(f"{n}, {n}, {n + 1}, {n + 5}, {n + 4}\n" for n in range(first, first + 3))
+    for first in (1, 21)
+)
+MODEL = (
+    f"*NODE\n{NODES}*ELEMENT, TYPE=CPE4, ELSET=LOW\n{LOW}*ELEMENT, TYPE=CPE4, ELSET=UP\n{UP}"
+    "*ELSET, ELSET=ALL\nLOW, UP\n*NSET, NSET=FOOT\n1, 2, 3, 4\n*NSET, NSET=CREST\n25, 26, 27, 28\n"
+    "*SURFACE, NAME=FACE\nLOW, S3\n*SURFACE, NAME=PAD\nUP, S1\n*SURFACE, NAME=HEAD\nUP, S3\n"
+    "*SURFACE, NAME=SIDE\n3, S2\n"
+    "*MATERIAL, NAME=STEEL\n*ELASTIC\n210000., .3\n*DENSITY\n7.8E-9\n"
+    "*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n2.5,\n"
+    "*SOLID SECTION, ELSET=LOW, MATERIAL=STEEL\n2.5,\n"
+    "*SOLID SECTION, ELSET=UP, MATERIAL=STEEL\n2.5,\n"
+    "*SURFACE INTERACTION, NAME=RUB\n*FRICTION\n0.4,\n*SURFACE INTERACTION, NAME=SLICK\n"
+)
+PAIR = "*CONTACT PAIR, INTERACTION=RUB, TYPE=SURFACE TO SURFACE\nPAD, FACE\n"
+HELD = "*BOUNDARY\nFOOT, ENCASTRE\n"
+
+
+def proposed(folder: Path, text: str) -> tuple[dict[str, Any], list[str]]:
+    """The tables of the case, and what was not understood."""
+    path = folder / "pad.inp"
+    path.write_text(MODEL.replace("ELSET=ALL, MATERIAL", "ELSET=NONE, MATERIAL") + text)
+    lines = list(outline(path))
+    marks = ("# not taken over:", "# names that a boundary may have, as such or as a label in "
+             "[geometry.boundaries]")  # fmt: skip
+    begin = lines.index(marks[0]) + 1 if marks[0] in lines else lines.index(marks[1])
+    return tomllib.loads("\n".join(lines)), [
+        line.removeprefix("# pad.inp, ") for line in lines[begin : lines.index(marks[1])] if line
+    ]
+
+
+def step(*lines: str, static: str = "0.25, 1.", words: str = "") -> str:
+    return "\n".join([f"*STEP{words}\n*STATIC\n{static}", *lines, "*END STEP\n"])
+
+
+def test_a_whole_deck_becomes_a_case_that_is_valid(tmp_path: Path) -> None:
+    press = step("*DSLOAD", "HEAD, P, 10.", "*CLOAD", "CREST, 1, 0.5", "*NODE FILE\nU")
+    tables, lacks = proposed(tmp_path, PAIR + HELD + press)
+    assert lacks == []
+    assert tables["model"] == {"thickness": 2.5}
+    assert tables["contacts"] == {
+        "pad": {"surface1": "PAD", "surface2": "FACE", "friction": 0.4}
+    }  # fmt: skip
+    assert tables["supports"] == {"foot": {"boundary": "FOOT", "fix": ["x", "y"]}}
+    assert tables["loads"] == {
+        "head_normal": {
+            "type": "traction", "boundary": "HEAD", "direction": "normal",
+            "history": [{"ramp": -10.0, "until": 1.0, "steps": 4}],
+        },
+        # four nodes
+        "crest_x": {
+            "type": "force", "boundary": "CREST", "direction": "x",
+            "history": [{"ramp": 2.0, "until": 1.0, "steps": 4}],
+        },
+    }  # fmt: skip
+    output = CliRunner().invoke(app, ["check", str(tmp_path / "pad.inp")]).output.splitlines()
+    assert output[-2:] == [
+        "# pad.inp: keywords that are not used: 1 *NODE FILE",
+        "# This case is valid: write it to a file beside the deck.",
+    ]
+    bare = tmp_path / "bare.inp"
+    bare.write_text(MODEL)
+    output = CliRunner().invoke(app, ["check", str(bare)]).output.splitlines()
+    assert "# This case cannot be solved yet:" in output
+    assert any(line.startswith("# contacts: ") for line in output)
+
+
+AMPLITUDE = "*AMPLITUDE, NAME=A{}\n0., 0., 0.5, 1.\n1., -1., 1.5, 0.\n"
+
+
+@pytest.mark.parametrize(
+    ("lines", "times", "values"),
+    [
+        # step after step, with what is not named again
+        ((step("*DSLOAD", "HEAD, P, 10."), step("*DSLOAD", "HEAD, P, 4."), step()),
+         (0, 1, 2), (0, -10, -4)),
+        ((step("*DSLOAD", "HEAD, P, 10."), step("*DSLOAD, OP=NEW")), (0, 1, 2), (0, -10, 0)),
+        ((step(), step("*DSLOAD", "HEAD, P, 10.")), (0, 1, 2), (0, 0, -10)),
+        ((step("*DSLOAD", "HEAD, P, 10.", words=", AMP=STEP"),), (0, 0.25, 1), (0, -10, -10)),
+        # over the time of the step, and of all steps
+        ((AMPLITUDE.format(""), step("*DSLOAD, AMPL=A", "HEAD, P, 10.", static="1., 2.")),
+         (0, 0.5, 1, 1.5, 2), (0, -10, 10, 0, 0)),
+        (("*AMPLITUDE, NAME=A, TIME=TOTAL TIME\n1., 0., 1.5, 1., 2., -1.\n", step(),
+          step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 10.")), (0, 1, 1.5, 2), (0, 0, -10, 10)),
+        ((AMPLITUDE.format(", VALUE=ABSOLUTE"), step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 10.")),
+         (0, 0.5, 1), (0, 1, -1)),
+    ],
+)  # fmt: skip
+def test_histories(
+    tmp_path: Path, lines: tuple[str, ...], times: tuple[float, ...], values: tuple[float, ...]
+) -> None:
+    tables, lacks = proposed(tmp_path, PAIR + HELD + "".join(lines))
+    assert lacks == []
+    history = build_history(parse_case(tables, tmp_path / "pad.toml"))
+    number = history.channels.index("head_normal")
+    found = dict(zip(history.times, history.values[:, number], strict=True))
+    assert [found[float(time)] for time in times] == pytest.approx(list(values), abs=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("lines", "name", "table"),
+    [
+        (step("*DSLOAD", "SIDE, TRVEC, 3., 1., 0., 0."), "side", {
+            "type": "traction", "boundary": "SIDE", "direction": [1.0, 0.0],
+            "history": [{"ramp": 3.0, "until": 1.0, "steps": 4}]}),
+        (step("*DLOAD", "UP, P3, 7."), "head_normal", {
+            "type": "traction", "boundary": "HEAD", "direction": "normal",
+            "history": [{"ramp": -7.0, "until": 1.0, "steps": 4}]}),
+        (step("*DLOAD", "ALL, GRAV, 9810., 0., -1., 0."), "acceleration", {
+            "type": "acceleration", "direction": [0.0, -1.0],
+            "history": [{"ramp": 9810.0, "until": 1.0, "steps": 4}]}),
+        # the square of the speed
+        (step("*DLOAD", "ALL, CENTRIF, 1.E4, 0., -50., 0., 0., 0., 1."), "rotation", {
+            "type": "rotation", "centre": [0.0, -50.0],
+            "history": [{"ramp": 100.0, "until": 1.0, "steps": 4}]}),
+        (step("*BOUNDARY", "CREST, 2, 2, -.01"), "crest_y", {
+            "type": "displacement", "boundary": "CREST", "direction": "y",
+            "history": [{"ramp": -0.01, "until": 1.0, "steps": 4}]}),
+        (step("*BOUNDARY", "CREST, 2, 2, -.01", static="1.E-4, 2."), "crest_y", {
+            "type": "displacement", "boundary": "CREST", "direction": "y",
+            "history": [{"ramp": -0.01, "until": 2.0, "steps": 10}]}),
+        ("*BOUNDARY\nCREST, 2\n" + step() + step("*BOUNDARY", "CREST, 2, 2, -.01"), "crest_y", {
+            "type": "displacement", "boundary": "CREST", "direction": "y",
+            "history": [{"hold": True, "until": 1.0, "steps": 1},
+                        {"ramp": -0.01, "until": 2.0, "steps": 4}]}),
+    ],
+)  # fmt: skip
+def test_loads(tmp_path: Path, lines: str, name: str, table: dict[str, Any]) -> None:
+    tables, lacks = proposed(tmp_path, PAIR + HELD + lines)
+    assert (lacks, tables["loads"]) == ([], {name: table})
+    parse_case(tables, tmp_path / "pad.toml")
+
+
+def test_supports(tmp_path: Path) -> None:
+    held = "*BOUNDARY\nFOOT, YSYMM\nFOOT, 1, 1\n*BOUNDARY\nCREST, 3, 6\nCREST, XSYMM\n"
+    tables, lacks = proposed(tmp_path, PAIR + held)
+    assert lacks == []
+    assert tables["supports"] == {
+        "foot": {"boundary": "FOOT", "fix": ["y", "x"]},
+        "crest": {"boundary": "CREST", "fix": ["x"]},
+    }
+
+
+@pytest.mark.parametrize(
+    ("lines", "reason"),
+    [
+        ("*BOUNDARY\n1, 1, 2\n", "*BOUNDARY: 1, 1, 2: expected a node set: single nodes are"),
+        ("*NSET, NSET=SOME\n1, 4\n*BOUNDARY\nSOME, 1, 2\n", "expected nodes of whole facets"),
+        (step("*CLOAD", "25, 2, -1."), "expected a node set"),
+        (step("*DSLOAD", "HEAD, HP, -1."), "expected P or TRVEC, found HP"),
+        (step("*DLOAD", "LOW, P1, -1."), "expected the sides of a *SURFACE of the file"),
+        (step("*DLOAD", "UP, GRAV, 1., 0., -1., 0."), "expected all elements, found 3 that are"),
+        (step("*DSLOAD, AMPLITUDE=B", "HEAD, P, 1."), "the amplitude B is not known"),
+        (AMPLITUDE.format(", TIME=TOTAL TIME") + step()
+         + step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 1."), "its amplitude jumps from 0 to 1 at t = 1"),
+        ("*AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n1, 1., 0., 0.\n", "DEFINITION=PERIODIC"),
+        ("*STEP\n*FREQUENCY\n5\n*END STEP\n", "step 1 is not static"),
+        (step(words=", NLGEOM"), "*STEP: NLGEOM: displacements and turns are small here"),
+        (step() + step("*BOUNDARY", "FOOT, 1, 2"), "FOOT is held or moved along x from t = 1 on"),
+        (step("*BOUNDARY", "FOOT, 1") + step("*BOUNDARY, OP=NEW", "CREST, 2"), "step 2 frees FOOT"),
+        ("*CONTACT PAIR, INTERACTION=NONE\nPAD, FACE\n", "no friction is known of the"),
+        ("*CONTACT PAIR, INTERACTION=RUB\nPAD, NONE\n", "no surface, node set or element set NONE"),
+        ("*CONTACT PAIR, INTERACTION=RUB\nPAD,\n", "expected two surfaces, found PAD alone"),
+        ("*SURFACE INTERACTION, NAME=GLUE\n*FRICTION, ROUGH\n", "expected one coefficient"),
+    ],
+)  # fmt: skip
+def test_what_is_not_taken_over_is_listed(tmp_path: Path, lines: str, reason: str) -> None:
+    _, lacks = proposed(tmp_path, lines)
+    assert any(lack.startswith("line ") and reason in lack for lack in lacks), lacks
+
+
+def test_frictionless_pairs_and_planes_that_are_turned(tmp_path: Path) -> None:
+    tables, _ = proposed(tmp_path, PAIR.replace("RUB", "SLICK"))
+    assert tables["contacts"]["pad"]["friction"] == 0.0
+    path = tmp_path / "turned.inp"
+    turned = "".join(f"{n}, {x}, 0., {y}\n" for n, x, y in
+                     (row.split(", ") for row in NODES.splitlines()))  # fmt: skip
+    path.write_text(MODEL.replace(NODES, turned).replace("CPE4", "CPS4") + PAIR + HELD)
+    lines = list(outline(path))
+    assert tomllib.loads("\n".join(lines))["model"] == {"plane": "stress", "thickness": 2.5}
+    assert not any(line.startswith("[supports") for line in lines)
+    assert any("the bodies are not in a plane of constant z" in line for line in lines)
+
+
+def test_pieces_of_one_element_set(tmp_path: Path) -> None:
+    """Bodies are the pieces that the surfaces of a contact lie on, by the names of these."""
+    one = "*SOLID SECTION, ELSET=ALL, MATERIAL=STEEL\n2.5,\n"
+    model = MODEL[: MODEL.index("*SOLID")] + one + MODEL[MODEL.index("*SURFACE INTERACTION") :]
+    path = tmp_path / "pad.inp"
+    path.write_text(model + PAIR + HELD + step("*DSLOAD", "HEAD, P, 10."))
+    lines = list(outline(path))
+    bodies = tomllib.loads("\n".join(lines))["bodies"]
+    steel = {"young": 210e3, "poisson": 0.3, "density": 7.8e-9}
+    assert bodies == {"pad": steel, "face": steel}
+    case = parse_case({**tomllib.loads("\n".join(lines)), "bodies": {"pad": {}, "face": {}}}, path)
+    mesh = load_mesh(case)
+    assert [np.ptp(mesh.bodies[name].points, axis=0).tolist() for name in ("pad", "face")] == [
+        [3.0, 1.0], [3.0, 1.0]
+    ]  # fmt: skip
+    assert mesh.bodies["pad"].points[:, 1].min() == 1.0
+    # by a set of nodes
+    deck = read_deck(path)
+    assert deck.elements_of("FOOT") == [1, 2, 3] and deck.elements_of("NONE") == []
