@@ -62,7 +62,8 @@ class Solid(Table):
     layers: Count = Field(description="Number of layers of elements along the length; >= 1.")
     end_size: Positive | None = Field(
         default=None,
-        description="Thickness of the layers at free ends; further inside they grow to the length "
+        description="Thickness of the layers at the ends, but where supports hold bodies along z "
+        "that do not lean; further inside they grow to the length "
         "over layers. Without it all layers are equal.",
     )
 

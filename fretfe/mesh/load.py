@@ -151,10 +151,14 @@ def _extruded_mesh(case: Case, mesh: Mesh) -> Mesh:
 
 
 def _free_ends(case: Case, mesh: Mesh) -> Ends:
-    """True for each end of the extrusion, z = 0 and its length, where a body may move along z.
+    """True for each end of the extrusion, z = 0 and its length, that is a corner of the contacts.
 
-    A support across an end is a plane of symmetry or holds it: the bodies go on behind it.
+    Where a support holds both bodies along z their mirror images go on behind the end: without a
+    corner, unless the bodies lean.
     """
+    assert case.geometry.solid is not None
+    if case.geometry.solid.skew:
+        return True, True
     held = {each.boundary for each in case.supports.values() if each.holds_along_z}
     ends = [[f"{name}_{end}" in held for name in mesh.bodies] for end in (BACK, FRONT)]
     return not all(ends[0]), not all(ends[1])

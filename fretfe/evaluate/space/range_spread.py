@@ -26,6 +26,9 @@ NARROWEST = 0.4
 # small where the other parts of the bar are 3.9 %.
 SHORTEST_WAY = 4.0
 CRAMPED = 0.15
+# Error of a range over the square of the length of an element along the front over the distance to
+# a free end, towards which ranges grow: a skewed dovetail with layers of 1.5, .2 and .1 mm.
+NEAR_FREE_END = 0.03
 
 
 def farthest(depth: float, radius: float) -> float:
@@ -50,9 +53,9 @@ def unresolved(
 
     As in the plane a discrete contact area ends somewhere within an element, which counts by the
     largest range along the front, since that of one station may be a small difference. And more:
-    elements that are long along the front cannot follow how factors vary there, next to its end the
-    factors are those of a place beside the station, and in a narrow place integrals have few
-    elements.
+    elements that are long along the front cannot follow how factors vary there, less so next to a
+    free end, next to its other end the factors are those of a place beside the station, and in a
+    narrow place integrals have few elements.
 
     Args:
         factors: of all stations.
@@ -75,7 +78,10 @@ def unresolved(
     cramped = CRAMPED * max(1 / room - 1 / SHORTEST_WAY, 0.0) * largest
     width = min(front.depth[station], np.median(front.depth), radius)
     misplaced = _misplaced(front, fit, station, cycle, width) * largest
-    return [misplaced, cramped, _bent(swing, front, station), _beside(swing, front, station)]
+    layers = front.sectors[station].along_size / float(front.frames.to_free_end[station])
+    near = NEAR_FREE_END * layers**2 * float(abs(swing[station]))
+    along = _bent(swing, front, station), _beside(swing, front, station)
+    return [misplaced, cramped, near if math.isfinite(near) else 0.0, *along]
 
 
 def _misplaced(
