@@ -15,7 +15,7 @@ from fretfe.analytic.paths import reversals
 from fretfe.caution import Caution, Kind, about
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
-from fretfe.evaluate.loaded import SMALL_LOAD, evaluated_states, normal_force
+from fretfe.evaluate.loaded import NO_LOAD, SMALL_LOAD, evaluated_states, normal_force
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
@@ -39,8 +39,6 @@ BESIDE = 2.5
 FINE = 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
-# Part of the largest force below which a contact is unloaded.
-UNLOADED = 1e-6
 # Part of the largest K_T below which a range is round-off.
 ROUND_OFF = 1e-9
 # Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
@@ -135,7 +133,7 @@ def _solid_contact(
     last = solution.cycle[1] if solution.cycle else len(contact.status) - 1
     forces = np.abs(found["normal_force"])
     nodes = int(np.count_nonzero(contact.status[last] != OPEN))
-    if 0 < nodes < FEWEST_NODES and forces[last] > UNLOADED * forces.max():
+    if 0 < nodes < FEWEST_NODES and forces[last] > NO_LOAD * forces.max():
         finer = math.ceil(10 * math.sqrt(FEWEST_NODES / nodes)) / 10
         yield (
             Kind.FEW_NODES,

@@ -22,9 +22,9 @@ from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
+from fretfe.evaluate.loaded import NO_LOAD
 from fretfe.evaluate.resultants import SMALLEST_SHEAR, shear_direction
 from fretfe.evaluate.slip import cycle_states
-from fretfe.evaluate.warnings import UNLOADED
 from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -96,7 +96,7 @@ def opened(solution: Solution) -> str:
         max(float(np.max(each.mean_traction[state][:, 0])) for each in solution.contacts)
         for state in range(len(solution.times))
     ]
-    carrying = np.flatnonzero(np.array(pressures) > UNLOADED * max(pressures))
+    carrying = np.flatnonzero(np.array(pressures) > NO_LOAD * max(pressures))
     if not len(carrying) or carrying[-1] == len(pressures) - 1:
         return ""
     step = solution.step_of(int(carrying[-1]) + 1)
@@ -327,7 +327,7 @@ def _pairing(
         wrong = float(np.ptp(factors[cycle])) if len(cycle) else np.nan
         largest = max(station.k_range for station in summary.stations)
         of_pressure = summary.normal_force / (np.pi * np.sqrt(2 * summary.half_width))
-        known = largest > UNLOADED * float(np.nanmax(of_pressure, initial=0.0))
+        known = largest > NO_LOAD * float(np.nanmax(of_pressure, initial=0.0))
     return ModelLimit(
         summary.name,
         Kind.PAIRING,

@@ -14,7 +14,7 @@ from fretfe.case import parse_case
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise
 from fretfe.loads import CycleChoice
-from fretfe.report.page.evaluated import cycle_sentences
+from fretfe.report.page.headline import cycle_sentences
 
 # Hertz: a = √(4 P R/(π E*)), R = 50, P = 600; range of K_T of ±Q: 2 Q/(π √(2 a)).
 HALF_WIDTH = math.sqrt(4 * 600 * 50 * 2 * 0.91 / (math.pi * 210e3))

@@ -11,7 +11,8 @@ from dataclasses import dataclass
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
-from fretfe.report.page.evaluated import cycle_sentences
+from fretfe.loads import cycle_words
+from fretfe.report.source import shown_stations
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE
@@ -180,7 +181,7 @@ def _sliding(run: Result) -> str:
 
 
 def _agreement(run: Result) -> str:
-    """How many edges or stations agree with the prediction on the longest zone of the cycle."""
+    """Count of edges or stations whose longest zone agrees with the prediction."""
     stations = [each for contact in run.contacts for each in contact.edges]
     if stations and all(each.friction == 0 for each in stations):
         return f"{len(stations)} {_what(run, len(stations))} without friction."
@@ -208,3 +209,39 @@ def _half_model(run: Result) -> str:
     if not names:
         return ""
     return f"Half model: {', '.join(names)} ends at a plane of symmetry; P and Q are the half."
+
+
+def cycle_sentences(run: Result) -> str:
+    """The cycle that a run was evaluated for, and the worst counted one of irregular loads."""
+    loads, steps = run.loads, len(run.loads.times) - 1
+    worst = _worst_cycle(run)
+    if loads.cycle is not None:
+        first, last = loads.cycle
+        behind = f"; the {steps - last} behind it do not count" if last < steps else ""
+        text = f"Evaluated cycle: {cycle_words(loads, run.case.units.time)}"
+        return f"{text} (steps {first + 1} to {last} of {steps}{behind}).{worst}"
+    if run.failure is not None:
+        return f"There is no evaluated cycle, as not all steps are solved.{worst}"
+    told = "" if run.solid or worst else " Ranges over it are missing."
+    reason = "no load is a wave or a repeated table, and [cycle] gives none"
+    return f"There is no evaluated cycle: {reason}.{worst or told}"
+
+
+def _worst_cycle(run: Result) -> str:
+    """The worst counted cycle of all edges or stations; empty if the loads are regular."""
+    found = [
+        (float(cycles.effective_range[cycles.worst]), contact, edge)
+        for contact, edge in shown_stations(run.contacts)
+        if (cycles := edge.cycles).irregular
+    ]
+    if not found:
+        return ""
+    _, contact, edge = max(found, key=lambda each: each[0])
+    worst, times = edge.cycles.worst, run.loads.times
+    ends = sorted(float(times[each[worst]]) for each in (edge.cycles.start, edge.cycles.end))
+    start, end = (number(each, 6) for each in ends)
+    return (
+        " Loads are irregular: slip zones are those of the worst counted cycle of each edge, "
+        f"at {contact.name_of(edge)} that between t = {start} and {end} "
+        f"{run.case.units.time}."
+    )
