@@ -27,6 +27,7 @@ from fretfe.case.units import (
     unit_doubts,
 )
 from fretfe.errors import CaseError, MeshError
+from fretfe.report.texts import rounded
 from fretfe.terminal import one_line
 
 # Constants that are no stress.
@@ -359,7 +360,7 @@ def _scaled(value: Any, factor: float) -> Any:
 def _shown(body: Mapping[str, Any]) -> str:
     """Constants of a body, in words."""
     texts = [
-        f"{key} = {body[key]:.6g}"
+        f"{key} = {rounded(body[key], 4)}"
         for key in CONSTANTS
         if isinstance(body.get(key), int | float) and not isinstance(body[key], bool)
     ]

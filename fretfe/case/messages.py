@@ -210,6 +210,8 @@ def shortened(text: str) -> str:
 def found(value: Any) -> str:
     """A value of a case file, as a user would write or describe it."""
     match value:
+        case None:
+            return "nothing"
         case bool():
             return str(value).lower()
         case str():

@@ -15,6 +15,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fretfe.case.messages import found
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import require_file
 
@@ -202,7 +203,7 @@ def _range_problem(parameter: Parameter, value: object) -> str | None:
     if parameter.unit != "-":
         expected += f" {parameter.unit}"
     if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
-        return f"{parameter.name}: {expected}, found {value!r}"
+        return f"{parameter.name}: {expected}, found {found(value)}"
     slack = ROUND_OFF * abs(value)
     inside = parameter.minimum - slack <= value <= parameter.maximum + slack
     if not inside or (parameter.whole and value % 1):

@@ -56,7 +56,7 @@ def percent(value: float, decimals: int = 2) -> str:
 def with_error(value: float, spread: float) -> str:
     """Value and error, with two digits of the error: 0.5749 ± 0.0012.
 
-    Six digits without an error if that is zero or not known.
+    Six digits without an error if that is zero or not known; marked if it exceeds the value.
     """
     if not math.isfinite(value):
         return MISSING
@@ -64,14 +64,17 @@ def with_error(value: float, spread: float) -> str:
         return f"{value:.6g}"
     digits = 1 - math.floor(math.log10(spread))
     if digits < -3 or digits > 9:  # numbers with an exponent
-        return f"{short(f'{value:.6g}')} ± {short(f'{spread:.2g}')}"
-    decimals = max(digits, 0)
-    return f"{value:.{decimals}f} ± {spread:.{decimals}f}"
+        text = f"{short(f'{value:.6g}')} ± {short(f'{spread:.2g}')}"
+    else:
+        decimals = max(digits, 0)
+        text = f"{value:.{decimals}f} ± {spread:.{decimals}f}"
+    return marked(text, uncertain=spread > abs(value))
 
 
 def marked(text: str, uncertain: bool) -> str:
     """A number with ~ before it if it is uncertain; what is missing carries no mark."""
-    return f"~{text}" if uncertain and text != MISSING else text
+    plain = text == MISSING or text.startswith("~")
+    return f"~{text}" if uncertain and not plain else text
 
 
 def rounded(value: float, digits: int = 3) -> str:

@@ -18,6 +18,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case, parse_case
+from fretfe.case.messages import found as described
 from fretfe.errors import CaseError, ConvergenceError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
@@ -37,6 +38,7 @@ from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
 
 T = TypeVar("T")
+WORDS = {bool: "true or false", int: "a whole number", str: "a text"}
 
 
 def require_shapes(group: h5py.Group, states: int, kept: int) -> None:
@@ -274,7 +276,7 @@ def _as(kind: Any, value: Any) -> Any:
     if kind is float:
         return math.nan if value is None else float(value)
     if kind in (bool, int, str) and not isinstance(value, kind):
-        raise TypeError(f"{value!r} in place of {kind.__name__}")
+        raise TypeError(f"{described(value)} in place of {WORDS[kind]}")
     if isinstance(kind, type) and issubclass(kind, Enum):
         return kind(value)
     if is_dataclass(kind):

@@ -122,7 +122,7 @@ def test_a_file_of_the_user_and_what_is_recorded(tmp_path: Path) -> None:
     source.write_text(tomli_w.dumps(pad(bodies=bodies, loads={"press": press()})))
     case = load_case(source)
     note = "bodies.upper: own.toml (tests), constants at 50 °C: young = 65000, poisson = 0.33"
-    assert case.material_notes == (f"{note}, density = 2.7e-09",)
+    assert case.material_notes == (f"{note}, density = 2.7e-9",)
     # The case as run needs the file no more.
     text = case_text(case)
     assert note in text

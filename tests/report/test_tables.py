@@ -245,7 +245,7 @@ def test_validations_fit(sphere: Result) -> None:
     )  # fmt: skip
     found = Validation(sphere, (row,))
     text = printed(lambda console: print_validation(console, found))
-    assert text.count("-1.23e+05") == 2 and "depends" in text
+    assert text.count("-123000") == 2 and "depends" in text
     narrow: Any = Console(width=60, file=io.StringIO())
     print_validation(narrow, found)
     text = narrow.file.getvalue()

@@ -60,7 +60,7 @@ def test_other_names(tmp_path: Path, folder: Path, place: str, name: str, messag
 @pytest.mark.parametrize(("key", "value"), [("cycle", [None, 12]), ("cycle", ["a", 3])])
 def test_other_types(tmp_path: Path, folder: Path, key: str, value: object) -> None:
     written(tmp_path, {**copied(folder, tmp_path), key: value})
-    with pytest.raises(OutputError, match="in place of int"):
+    with pytest.raises(OutputError, match="in place of a whole number"):
         load_result(tmp_path)
 
 
@@ -68,7 +68,7 @@ def test_a_number_that_is_missing(tmp_path: Path, folder: Path) -> None:
     numbers = copied(folder, tmp_path)
     numbers["contacts"]["main"]["fronts"][0]["stations"][0]["last"] = None
     written(tmp_path, numbers)
-    with pytest.raises(OutputError, match="None in place of int"):
+    with pytest.raises(OutputError, match="nothing in place of a whole number"):
         load_result(tmp_path)
 
 

@@ -40,7 +40,7 @@ HEADERS = (
     *("ΔK_T", "mean K_T", "count", "d predicted"),
 )
 # Part of P below which a shear force is round-off.
-ROUND_OFF = 1e-12
+ROUND_OFF = 1e-9
 # An edge that moves by less than this part of a slip zone is in the same place.
 SAME_PLACE = 0.01
 # Slip zones of an edge that are shown: those of the last loading and unloading.
@@ -164,21 +164,26 @@ def contact_table(run: Result) -> Table:
 
 
 def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
-    normal, shear = contact.normal_force[cycle], contact.shear_force[cycle]
-    none = np.abs(shear) < ROUND_OFF * np.abs(normal).max(initial=0.0)
+    normal = contact.normal_force[cycle]
     return (
         _range(normal / scale),
-        _range(np.where(none, 0.0, shear) / scale),
+        _range(_without_round_off(contact.shear_force[cycle], normal) / scale),
         number(contact.half_width[contact.stations[0].decisive]),
         _steady(contact),
         number(contact.cycle_change),
     )
 
 
+def _without_round_off(shear: Array, normal: Array) -> Array:
+    """Q, zero where it is nothing beside P."""
+    return np.where(np.abs(shear) < ROUND_OFF * np.abs(normal).max(initial=0.0), 0.0, shear)
+
+
 def _solid_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
+    normal, shear = contact.normal_force[cycle], np.linalg.norm(contact.shear_force[cycle], axis=1)
     return (
-        _range(contact.normal_force[cycle] / scale, digits=3),
-        _range(np.linalg.norm(contact.shear_force[cycle], axis=1) / scale, digits=3),
+        _range(normal / scale, digits=3),
+        _range(_without_round_off(shear, normal) / scale, digits=3),
         number(contact.contact_area[last], 3),
         number(contact.stick_area[last], 3),
         number(contact.largest_pressure[cycle].max()),
