@@ -334,14 +334,14 @@ def _strength_table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
     table = plain_table(title, headers, text=1)
     for each in shown:
         edge = each.edge
-        interval = f"{each.low:.3g} to {each.high:.3g}" if not each.reason else MISSING
+        interval = f"{rounded(each.low)} to {rounded(each.high)}" if not each.reason else MISSING
         station = f" {edge.station}" if len(found.margins) > len(shown) else ""
         table.add_row(
             escape(edge.name) + station,
             with_error(edge.k_n, edge.k_n_spread),
             with_error(edge.k_t_range, edge.k_t_range_spread),
             with_error(each.strength, each.strength_spread),
-            number(each.margin, 3),
+            rounded(each.margin),
             interval,
         )
     return table

@@ -12,7 +12,7 @@ import typer
 
 from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
 from fretfe.environment import rank_from_environment
-from fretfe.report.texts import plain_table, print_whole
+from fretfe.report.texts import MISSING, plain_table, print_whole, rounded
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -219,12 +219,12 @@ def _surface_table(contacts: Sequence[ContactQuality], unit: str, measure: str) 
 def _surface_cells(surface: SurfaceQuality) -> list[str]:
     straight = math.isinf(surface.radius)
     return [
-        f"{surface.measure:.4g}",
+        rounded(surface.measure, 4),
         f"{surface.opposite} of {surface.facets}",
-        f"{surface.smallest:.3g}",
-        f"{surface.largest:.3g}",
-        "flat" if straight else f"{surface.radius:.3g}",
-        "inf" if straight else f"{surface.per_radius:.3g}",
+        rounded(surface.smallest),
+        rounded(surface.largest),
+        "flat" if straight else rounded(surface.radius),
+        MISSING if straight else rounded(surface.per_radius),
     ]
 
 
@@ -238,9 +238,9 @@ def _gap_table(contacts: Sequence[ContactQuality], unit: str, measure: str) -> T
     for contact in contacts:
         table.add_row(
             contact.name,
-            f"{contact.measure:.4g}",
-            f"{contact.gap:.3g}",
-            f"{contact.interpenetration:.3g}",
+            rounded(contact.measure, 4),
+            rounded(contact.gap),
+            rounded(contact.interpenetration),
             place(contact.nearest, 4),
             f"{contact.size_ratio:.2f}",
         )

@@ -16,6 +16,7 @@ from fretfe.analytic.profiles import FIRST_YIELD, edge_factor_k_n, peak_pressure
 from fretfe.evaluate.verdicts import LARGEST_ERROR
 from fretfe.idealise.bodies import Block, side_tension
 from fretfe.idealise.case import SMALLEST_BODY
+from fretfe.report.texts import rounded
 
 
 @dataclass(frozen=True)
@@ -103,20 +104,22 @@ def _outside(test: PadLoads, edge: PadEdge) -> str:
     """The reason why factors do not describe an edge; empty if they do."""
     limit, a = test.friction * test.normal_force, test.half_width
     if test.shear >= limit:
-        return f"the contact slides as a whole: Q = {test.shear:.4g}, f P = {limit:.4g}"
+        loads = f"Q = {rounded(test.shear, 4)}, f P = {rounded(limit, 4)}"
+        return f"the contact slides as a whole: {loads}"
     if SMALLEST_BODY * a > test.block.smallest:
         return (
-            f"it is no half-plane: the half-width of the contact is {a:.3g}, and the height or "
-            f"half-width of a body {test.block.smallest:.3g}"
+            f"it is no half-plane: the half-width of the contact is {rounded(a)}, and the height "
+            f"or half-width of a body {rounded(test.block.smallest)}"
         )
     strength = FIRST_YIELD * test.yield_stress
     if (largest := peak_pressure(test.block.profile, a)) > strength:
-        return f"it yields: the largest pressure is {largest:.4g}, and {strength:.4g} are elastic"
+        pressures = f"{rounded(largest, 4)}, and {rounded(strength, 4)} are elastic"
+        return f"it yields: the largest pressure is {pressures}"
     if abs(test.tension) > test.yield_stress:
-        return f"it yields: the bulk stress is {abs(test.tension):.4g}"
+        return f"it yields: the bulk stress is {rounded(abs(test.tension), 4)}"
     if not abs(edge.error) <= LARGEST_ERROR:
         flat = max(test.block.profile.kinks, default=0.0)
-        share = f"{edge.slip / (a - flat):.2g} of {'a − b' if flat else 'a'}"
+        share = f"{rounded(edge.slip / (a - flat), 2)} of {'a − b' if flat else 'a'}"
         error = f"{edge.error:+.0%}".replace("%", " %") + " off"
         text = error if math.isfinite(edge.error) else "without meaning"
         turned = ", where the bulk stress reverses the slip of the other edge" * edge.reverses

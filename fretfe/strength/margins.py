@@ -14,7 +14,7 @@ from fretfe._typing import Array, Bools
 from fretfe.case import AnyBody, isotropic
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.report.texts import number
+from fretfe.report.texts import number, rounded
 from fretfe.results.model import Result
 from fretfe.strength.fit import SAME, LifeFit, fit_life
 from fretfe.strength.lives import StrengthTests, read_tests
@@ -287,8 +287,8 @@ def _agreeing(tests: StrengthTests, edge: ComponentEdge) -> Bools:
 
 def _disagreement(tests: StrengthTests, edge: ComponentEdge) -> str:
     bodies = list(filter(None, map(isotropic, edge.bodies)))
-    young = " and ".join(dict.fromkeys(f"{body.young:g}" for body in bodies))
-    poisson = " and ".join(dict.fromkeys(f"{body.poisson:g}" for body in bodies))
+    young = " and ".join(dict.fromkeys(rounded(body.young, 4) for body in bodies))
+    poisson = " and ".join(dict.fromkeys(rounded(body.poisson, 4) for body in bodies))
     return (
         f"no test has its friction and material, f = {edge.friction:g}, E = {young}, "
         f"ν = {poisson}: "
@@ -303,7 +303,7 @@ def _beyond(tests: StrengthTests, chosen: Bools, fit: LifeFit, k_n: float, life:
     varied = fit.coefficients[2] != 0
     same = 1.0 if varied else SAME
     if not fit.tested[0] / same <= k_n <= fit.tested[1] * same:
-        return f"K_N = {k_n:.4g} is outside of the tested K_N, {_span(tested)}"
+        return f"K_N = {rounded(k_n, 4)} is outside of the tested K_N, {_span(tested)}"
     shortest = tests.life[chosen & ~tests.runout].min()
     longest = tests.life[chosen].max()
     if not shortest <= life <= longest:
@@ -349,4 +349,4 @@ def _judged(edge: ComponentEdge, count: int, fit: LifeFit, life: float) -> Margi
 
 def _span(values: Array) -> str:
     low, high = values.min(), values.max()
-    return number(low) if low == high else f"{number(low)} to {number(high)}"
+    return rounded(low, 4) if low == high else f"{rounded(low, 4)} to {rounded(high, 4)}"
