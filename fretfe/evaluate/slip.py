@@ -162,9 +162,9 @@ def slip_zones(
     last = last_state(cycle, station)
     if begin >= last or not friction[last] > 0 or not known[begin : last + 1].all():
         return ()
-    fresh, gripped = begin == first, 0.0
+    fresh, gripped, locked = begin == first, 0.0, 0.0
     if not unlike:
-        begin, gripped = _gripped(begin, last, cycle, float(friction.max()), station)
+        begin, gripped, locked = _gripped(begin, last, cycle, float(friction.max()), station)
     zones = []
     halves: Sequence[tuple[int, int]] = [(max(last - 1, begin), last)]
     if not pressed:
@@ -186,6 +186,8 @@ def slip_zones(
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
             spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
+        if start == begin or not len(cycle):  # of a cycle others slip where the first one has
+            spread = math.hypot(spread, locked)
         missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
         # A zone that is long against its edge grows faster than predicted.
         missed *= max(1.0, border.length / loop) if loop > 0 else 1.0
@@ -207,11 +209,14 @@ def slip_zones(
 
 def _gripped(
     begin: int, last: int, cycle: States, friction: float, station: StationHistory
-) -> tuple[int, float]:
+) -> tuple[int, float, float]:
     """State until which an edge sticks from `begin` on, and dK_T/(f dK_I) of the pressing then.
 
     As long as P moves an edge between similar bodies outward faster than it is sheared nothing
-    slips, and the shear that is locked in behind it is that part of f p. Slip counts from there on.
+    slips, and the shear that is locked in behind it is that part s of f p. Slip counts from there
+    on. Over the width da of the last step nothing says where it is locked in, so that K_T is known
+    to half of s f dK_I = s f K_N da/2. That moves the border by 2 dK_T/(f K_N (1 - s)), which is
+    da/2 s/(1 - s) and returned too.
 
     Args:
         begin: state from which on friction acts.
@@ -227,7 +232,12 @@ def _gripped(
     slips = np.flatnonzero(np.abs(shears) > presses + tolerance)
     count = int(slips[0]) if len(slips) else 0
     moves = np.flatnonzero(presses[:count] > tolerance)
-    return begin + count, float(shears[moves[-1]] / presses[moves[-1]]) if len(moves) else 0.0
+    if not len(moves):
+        return begin + count, 0.0, 0.0
+    step = moves[-1]
+    part = float(shears[step] / presses[step])
+    width = float(np.nan_to_num(np.ptp(station.position[begin + step : begin + step + 2])))
+    return begin + count, part, width / 2 * min(abs(part) / max(1 - abs(part), UNDRIVEN), 1.0)
 
 
 def _told(border: SlipBorder, spread: float) -> bool:

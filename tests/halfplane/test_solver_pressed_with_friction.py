@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cases import halfplane_problems
 from cases.halfplane_problems import LIMIT, LOAD, PRESS_STEPS, problem, solved
 
 # Q over f P: to this, and back to minus 0.433.
@@ -39,3 +40,18 @@ def test_each_half_cycle_counts_from_where_the_edge_slips(share: float, mirror: 
         assert back.length == pytest.approx(exact[1], abs=back.spread + 0.004)
         assert there.predicted == pytest.approx(first_order, rel=0.01)
         assert np.isnan(back.predicted)
+
+
+@pytest.mark.parametrize("steps", [3, 10])
+def test_a_zone_is_as_good_as_the_last_step_of_the_pressing(
+    steps: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Shear is locked in anywhere within the last step: .1611 and .1578 for .1548."""
+    monkeypatch.setattr(halfplane_problems, "PRESS_STEPS", steps)
+    share, shear = 0.3, LIMIT * np.array([0.3, 0.433, TOP, 0.25])
+    contact = solved(problem(np.full_like(shear, LOAD), shear, frictional_press=True))
+    exact = 1 - np.sqrt((1 - TOP) / (1 - share))
+    for station in contact.stations:
+        there = station.slip_zones[0]
+        assert there.length == pytest.approx(exact, abs=there.spread)
+        assert there.spread < 0.08 * exact
