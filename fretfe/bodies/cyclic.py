@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Sectors of a disc: one side moves as the other one, turned by a full turn over their number.
 
+Parts of a body that are bonded are tied in the same way, without a turn (`bonds`).
+
 Statically all sectors do the same (nodal diameter 0), so u(R x) = R u(x) for places x of one side,
 R the rotation about the axis by a sector. The side with more nodes follows the other one: its nodes
 that are images of nodes move as these, the others so that both sides differ by nothing that
@@ -71,6 +73,7 @@ class Tie:
         centre: (d,) a point on the axis.
         size: of the body.
         source: the side of the leaders, a physical group.
+        groups: of followers and of leaders, physical groups, where both are in the same place.
     """
 
     followers: Array
@@ -82,6 +85,7 @@ class Tie:
     centre: Array
     size: float
     source: str
+    groups: tuple[tuple[str, ...], tuple[str, ...]] = ((), ())
 
     def image(self, values: Array) -> Array:
         """(s, c) vectors at the followers by those (m, c) at the leaders."""
@@ -219,7 +223,7 @@ def _tied(
     leaders, followers = (each.displacement_points(degree) for each in (leading, following))
     image = replace(leading, points=centre + (leading.points - centre) @ turn.T)
     axial = np.linalg.norm((followers - centre) @ across.T, axis=1) < SAME * size
-    weights = _Mortar(following, image, degree, SAME * size).weights()
+    weights = Mortar(following, image, degree, SAME * size).weights()
     return Tie(
         followers[~axial],
         leaders,
@@ -233,7 +237,7 @@ def _tied(
     )
 
 
-class _Mortar:
+class Mortar:
     """Displacements of a side by those of a surface at the same place.
 
     Args:
@@ -241,18 +245,34 @@ class _Mortar:
         image: of the side that leads, turned to the place of the other one.
         degree: of the displacements.
         same: distance up to which places are one.
+        held: (s,) nodes that move as the place of the image does; without them those where the side
+            ends. Nodes of both in one place are one, too: all of them, or, where nodes are held,
+            none.
     """
 
-    def __init__(self, side: Surface, image: Surface, degree: int, same: float) -> None:
+    def __init__(
+        self,
+        side: Surface,
+        image: Surface,
+        degree: int,
+        same: float,
+        held: Bools | None = None,
+    ) -> None:
         self._side, self._image, self._degree = side, image, degree
         points = side.displacement_points(degree)
         distance, node = cKDTree(image.displacement_points(degree)).query(points)
         self._matched = distance < same
         self._shape = len(points), len(image.displacement_points(degree))
-        rim = np.zeros(len(points), dtype=bool)
-        rim[_end_nodes(side, degree)] = True
-        self._given = rows = self._matched | rim
-        placed = _places(points[rows], image, degree).weights
+        rows = self._matched.copy()
+        if held is None:
+            rows[_end_nodes(side, degree)] = True
+        elif not (rows.all() and rows.sum() == self._shape[1]):
+            self._matched &= held
+            rows = held
+        self._given = rows
+        placed = sparse.csr_matrix((0, self._shape[1]))
+        if rows.any():
+            placed = places_on(points[rows], image, degree).weights
         exact = sparse.csr_matrix(
             (np.ones(self._matched.sum()), (np.flatnonzero(self._matched), node[self._matched])),
             shape=self._shape,
@@ -376,17 +396,17 @@ def _miss(one: Surface, other: Surface, turn: Array, centre: Array) -> _Miss:
         at = quadrature(own.shape, 1)[0]
         middles = np.einsum("qk,fkd->fqd", shape_values(own.shape, own.degree, at), own.nodes)
         points = np.concatenate([own.points, middles[:, 0]])
-        place = _places(centre + (points - centre) @ by.T, others, 1)
+        place = places_on(centre + (points - centre) @ by.T, others, 1)
         bent = np.zeros(len(own.points))
-        np.maximum.at(bent, own.facets, _bends(own)[:, None])
-        allowed = np.concatenate([bent, _bends(own)]) + _bends(others)[place.facets]
+        np.maximum.at(bent, own.facets, bends(own)[:, None])
+        allowed = np.concatenate([bent, bends(own)]) + bends(others)[place.facets]
         worst = int(np.argmax(place.distance - allowed))
         distance = float(place.distance[worst])
         found.append(_Miss(distance - float(allowed[worst]), distance, points[worst], forth))
     return max(found, key=lambda each: each.excess)
 
 
-def _bends(surface: Surface) -> Array:
+def bends(surface: Surface) -> Array:
     """(f,) distances from a smooth surface that facets of other nodes on it may have.
 
     An arc of length h that turns by θ is hθ/8 from its chord and hθ³/512 from a parabola, as in
@@ -422,7 +442,7 @@ def _along(side: Surface, centre: Array, across: Array, sense: float) -> float:
     return float(np.einsum("fqd,fqd,q->", normals, velocity, weights))
 
 
-def _places(points: Array, surface: Surface, degree: int) -> _Place:
+def places_on(points: Array, surface: Surface, degree: int) -> _Place:
     """The places of a surface nearest to points (n, d), for displacements of a degree."""
     facets = _candidates(points, surface)
     count = facets.shape[1]

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
+from fretfe.bodies.bonds import bond_parts
 from fretfe.bodies.constraints import Constraint, support_constraints
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.loads.cut import Asked, Cut
@@ -40,6 +41,7 @@ class BodyDefinition:
         coordinates: one for each constraint.
         surfaces: contact surfaces of the body, in the order of the contacts.
         tie: of its sides, if it is a part of a sector.
+        bond: of its parts, if it has some that are tied.
         cuts: boundaries of the body that another run moves.
         components: of the displacement, 3 in space; in the plane 2, or 3 with u_z(x, y).
     """
@@ -50,6 +52,7 @@ class BodyDefinition:
     coordinates: tuple[Coordinate, ...]
     surfaces: tuple[str, ...]
     tie: Tie | None = None
+    bond: Tie | None = None
     cuts: tuple[Cut, ...] = ()
     components: int = 2
 
@@ -115,22 +118,26 @@ def _define_body(
     own_cuts = [each for each in cuts.values() if each[0].body == name]
     held = [each for each in support_constraints(case, size) if each.constraint.boundary in own]
     constrained = moved_boundaries(case, mesh.bodies[name], own_cuts) + held
+    constraints = tuple(each.constraint for each in constrained)
+    coordinates = tuple(
+        Coordinate(
+            each.constraint.label,
+            name,
+            each.control,
+            each.channel,
+            each.course,
+            each.constraint.resultant,
+        )
+        for each in constrained
+    )
+    pairs = list(zip(constraints, coordinates, strict=True))
     return BodyDefinition(
         name=name,
         material=Material.of(case.bodies[name], case.model.plane),
-        constraints=tuple(each.constraint for each in constrained),
-        coordinates=tuple(
-            Coordinate(
-                each.constraint.label,
-                name,
-                each.control,
-                each.channel,
-                each.course,
-                each.constraint.resultant,
-            )
-            for each in constrained
-        ),
+        constraints=constraints,
+        coordinates=coordinates,
         surfaces=tuple(surfaces),
+        bond=bond_parts(case, mesh.bodies[name], surfaces, pairs),
         tie=_tie(case, mesh.bodies[name]),
         cuts=tuple(cut for _, cut in own_cuts),
         components=size,

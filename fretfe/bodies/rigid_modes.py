@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import linalg
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import SAME, Tie
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
@@ -298,8 +298,9 @@ def _require_held_pieces(body: BodyDefinition, mesh: BodyMesh) -> None:
     Raises:
         ModelError: names the first piece that can, and how.
     """
-    labels = point_pieces(mesh)
-    for number in range(mesh.pieces):
+    labels = _tied_pieces(body, mesh)
+    count = int(labels.max()) + 1
+    for number in range(count) if count > 1 else ():
         own = {
             name: facets[labels[facets[:, 0]] == number] for name, facets in mesh.boundaries.items()
         }
@@ -312,12 +313,27 @@ def _require_held_pieces(body: BodyDefinition, mesh: BodyMesh) -> None:
         if motions.shape[1]:
             named = ", ".join(name for name, facets in own.items() if len(facets)) or "none"
             raise ModelError(
-                f"piece {number + 1} of {mesh.pieces} of the body {body.name!r}, around "
+                f"piece {number + 1} of {count} of the body {body.name!r}, around "
                 f"{place_text(centre)} with the boundaries {named}, is not joined to the others "
                 f"and free {in_words(RigidMotions(motions, centre, size))}. Expected supports or "
                 "a platen that hold it, a mesh in which it is joined to the others, or a body of "
                 "its own"
             )
+
+
+def _tied_pieces(body: BodyDefinition, mesh: BodyMesh) -> Indices:
+    """(n,) number of the piece that each node is in, where pieces that are tied are one."""
+    labels = point_pieces(mesh)
+    if body.bond is None:
+        return labels
+    ends = [
+        np.unique(labels[mesh.boundaries[side]])
+        for pair in zip(*body.bond.groups, strict=True)
+        for side in pair
+    ]
+    first = np.concatenate([np.full(len(each), own[0]) for own, other in zip(ends[::2], ends[1::2],
+                            strict=True) for each in (own, other)])  # fmt: skip
+    return connected_groups(mesh.pieces, first, np.concatenate(ends))[labels]
 
 
 def modes_restrained_by_contact(definition: ModelDefinition, mesh: Mesh) -> dict[str, str]:

@@ -51,6 +51,7 @@ from fretfe.case.tables import (
     Solid,
     Support,
     Symmetry,
+    TiedParts,
 )
 from fretfe.case.units import Units, stiffness_doubts
 
@@ -89,6 +90,7 @@ __all__ = [
     "Symmetry",
     "TemperatureFieldLoad",
     "TemperatureLoad",
+    "TiedParts",
     "TiltLoad",
     "TractionLoad",
     "Units",

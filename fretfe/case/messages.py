@@ -36,6 +36,7 @@ from fretfe.case.tables import (
     Solid,
     Support,
     Symmetry,
+    TiedParts,
 )
 from fretfe.case.units import Units
 
@@ -47,6 +48,7 @@ SECTIONS: dict[str, type[Table]] = {
     "contacts": Contact,
     "supports": Support,
     "symmetry": Symmetry,
+    "ties": TiedParts,
     "cycle": Cycle,
     "edges": Edges,
     "output": Output,

@@ -32,6 +32,7 @@ from fretfe.case.tables import (
     Output,
     Support,
     Symmetry,
+    TiedParts,
 )
 from fretfe.case.units import Units
 
@@ -63,6 +64,7 @@ def cross_problems(
     supports: Mapping[str, Support],
     loads: Mapping[str, Load],
     symmetry: Mapping[str, Symmetry],
+    ties: Mapping[str, TiedParts],
 ) -> list[Problem]:
     """Contradictions between the tables given, which may be only a part of a case."""
     return [
@@ -74,7 +76,7 @@ def cross_problems(
         *_body_problems(bodies, loads),
         *_need_problems(bodies, loads),
         *_interference_problems(contacts, loads),
-        *_side_problems(contacts, supports, loads, symmetry),
+        *_side_problems(contacts, supports, loads, symmetry, ties),
         *_axis_problems(symmetry),
         *_load_axis_problems(loads, symmetry),
     ]
@@ -231,22 +233,27 @@ def _side_problems(
     supports: Mapping[str, Support],
     loads: Mapping[str, Load],
     symmetry: Mapping[str, Symmetry],
+    ties: Mapping[str, TiedParts],
 ) -> Iterator[Problem]:
-    """Sides of a sector that are something else too: only the neighbours may act on them."""
+    """Sides of a sector, or tied boundaries, that are something else: only the others may act."""
     used = {surface: ".".join(key) for key, surface in _surfaces(contacts)}
     used |= {each.boundary: f"supports.{name}.boundary" for name, each in supports.items()}
     for name, load in loads.items():
         used[load.on] = f"loads.{name}.boundary"
-    for name, sector in symmetry.items():
+    tables: list[tuple[str, str, Mapping[str, Symmetry | TiedParts]]] = [
+        ("symmetry", "the neighbour sector", {**symmetry}),
+        ("ties", "the tied part", {**ties}),
+    ]
+    for table, other, name, pair in ((t, o, *item) for t, o, own in tables for item in own.items()):
         for key in ("boundary1", "boundary2"):
-            side = getattr(sector, key)
+            side = getattr(pair, key)
             if side in used:
                 yield Problem(
-                    ("symmetry", name, key),
-                    f"expected a boundary that only the neighbour sector acts on, found {side!r}, "
-                    f"which is {used[side]}",
+                    (table, name, key),
+                    f"expected a boundary that only {other} acts on, found {side!r}, which is "
+                    f"{used[side]}",
                 )
-            used[side] = f"symmetry.{name}.{key}"
+            used[side] = f"{table}.{name}.{key}"
 
 
 def _axis_problems(symmetry: Mapping[str, Symmetry]) -> Iterator[Problem]:
@@ -337,6 +344,10 @@ class Case(Table):
         description="Sides of a sector of a disc, by names that you choose; one table for each "
         "body that the neighbour sectors continue.",
     )
+    ties: dict[Name, TiedParts] = Field(
+        default={},
+        description="Boundaries of parts of one body that are bonded, by names that you choose.",
+    )
     loads: dict[Name, AnyLoad] = Field(
         default={},
         description="Loads, by names that you choose; each is one channel with one history.",
@@ -361,7 +372,7 @@ class Case(Table):
     @model_validator(mode="after")
     def _no_contradictions(self) -> Self:
         problems = cross_problems(
-            self.bodies, self.contacts, self.supports, self.loads, self.symmetry
+            self.bodies, self.contacts, self.supports, self.loads, self.symmetry, self.ties
         )
         if problems:
             raise Contradiction(problems)

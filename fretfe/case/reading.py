@@ -17,7 +17,7 @@ from fretfe.case.materials import with_constants
 from fretfe.case.messages import complaint, field_problems
 from fretfe.case.model import Case, Key, Problem, cross_problems
 from fretfe.case.overrides import with_overrides
-from fretfe.case.tables import Contact, Support, Symmetry
+from fretfe.case.tables import Contact, Support, Symmetry, TiedParts
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
 from fretfe.terminal import one_line
@@ -101,6 +101,7 @@ def _partial_cross_problems(data: Mapping[str, Any]) -> list[Problem]:
         cast("dict[str, Support]", _valid_entries(Support, data.get("supports"))),
         cast("dict[str, Load]", _valid_entries(AnyLoad, data.get("loads"))),
         cast("dict[str, Symmetry]", _valid_entries(Symmetry, data.get("symmetry"))),
+        cast("dict[str, TiedParts]", _valid_entries(TiedParts, data.get("ties"))),
     )
 
 

@@ -286,6 +286,22 @@ class Symmetry(Table):
         return self
 
 
+class TiedParts(Table):
+    """Two boundaries of parts of one body that are bonded to each other."""
+
+    boundary1: Text = Field(description="Physical group of the boundary of one part.")
+    boundary2: Text = Field(
+        description="Physical group of that of another part of the same body, in the same place. "
+        "One of the two may reach beyond the other; their nodes need not match."
+    )
+
+    @model_validator(mode="after")
+    def _two_boundaries(self) -> Self:
+        if self.boundary1 == self.boundary2:
+            raise ValueError(f"expected two boundaries, found {self.boundary1!r} twice")
+        return self
+
+
 # Cycles that solids are given at most to become steady, beyond those of the case.
 MORE_CYCLES = 20
 

@@ -86,7 +86,7 @@ class Body:
         operator: (n, p*c) weighted relative displacements of the contact nodes by those of the
             points; the same on all ranks.
         clock: for timings.
-        tie: of the sides, if the body is a part of a sector; the same on all ranks.
+        tie: of the sides of a sector, or of the parts of the body; the same on all ranks.
         on_disk: whether the factor is kept in temporary files.
 
     Attributes:

@@ -8,7 +8,7 @@ import fcntl
 import os
 import shutil
 import tempfile
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, fields
 from functools import cache, cached_property
@@ -499,6 +499,7 @@ class PlacedNodes:
     Args:
         elastic: the body.
         places: (p, gdim) of nodes, the same on all ranks.
+        boundaries: that the nodes are on; any, without them.
 
     Attributes:
         numbers: (p*c,) global numbers of their displacements, of c components.
@@ -506,20 +507,24 @@ class PlacedNodes:
         ghosted: local numbers of those that it knows, owned or not.
     """
 
-    def __init__(self, elastic: ElasticBody, places: Array) -> None:
+    def __init__(self, elastic: ElasticBody, places: Array, boundaries: Sequence[str] = ()) -> None:
         self._comm, size, points = elastic.comm, elastic.components, elastic.node_points
+        near: Indices = np.arange(len(points))
+        if boundaries:
+            near = np.unique(np.concatenate([*map(elastic.boundary_nodes, boundaries)]))
         index_map, components = elastic.space.dofmap.index_map, np.arange(size)
         extent = (np.ptp(places, axis=0).max() or np.abs(places).max()) if len(places) else 1.0
         distance, node = (
-            cKDTree(points).query(places)
-            if len(points) and len(places)
+            cKDTree(points[near]).query(places)
+            if len(near) and len(places)
             else (np.full(len(places), np.inf), np.zeros(len(places), int))
         )
         here = np.flatnonzero(distance < MATCH_TOLERANCE * extent)
-        own = here[node[here] < index_map.size_local]
+        known = near[node[here]]
+        own, local = here[known < index_map.size_local], known[known < index_map.size_local]
         self._positions = (own[:, None] * size + components).ravel()
-        self.local = (node[own][:, None] * size + components).ravel()
-        self.ghosted = node[here]
+        self.local = (local[:, None] * size + components).ravel()
+        self.ghosted = known
         offset = index_map.local_range[0] * size
         self.numbers = np.full(len(places) * size, -1)
         for positions, unknowns in self._comm.allgather((self._positions, self.local + offset)):

@@ -184,7 +184,7 @@ class Model:
                 points,
                 operator,
                 clock,
-                body.tie,
+                body.tie or body.bond,
                 on_disk=self.on_disk,
             )
         return bodies

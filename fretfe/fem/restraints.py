@@ -32,7 +32,7 @@ class Restraints:
     Args:
         elastic: the body.
         constraints: in order of precedence: where boundaries share a node, the first one moves it.
-        tie: of the sides of a sector; where they are constrained, they are so alike.
+        tie: of the sides of a sector, or of parts; where they are constrained, they are so alike.
 
     Attributes:
         shapes: displacement by a unit amplitude of each constraint.
@@ -79,8 +79,8 @@ class Restraints:
 
     def _tie_sides(self, tie: Tie, values: Array) -> None:
         """Let nodes follow those of the other side, whatever else constrains them."""
-        self._followers = PlacedNodes(self._elastic, tie.followers)
-        self._leaders = PlacedNodes(self._elastic, tie.leaders)
+        self._followers = PlacedNodes(self._elastic, tie.followers, tie.groups[0])
+        self._leaders = PlacedNodes(self._elastic, tie.leaders, tie.groups[1])
         followers = self._followers.ghosted
         values[:, followers] = 0.0
         self._held[followers] = True

@@ -63,6 +63,8 @@ def loading_obstacles(case: Case) -> Iterator[str]:
             yield f"{'.'.join(map(str, key))}: expected nothing that moves the bodies along z"
     if case.symmetry:
         yield "symmetry: expected no sector of a disc"
+    if case.ties:
+        yield "ties: expected bodies of one part"
     fixed = _fixed(case)
     unknown = sorted(set(fixed) - {BOTTOM, *SIDES})
     if unknown:

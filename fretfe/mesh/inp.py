@@ -167,12 +167,14 @@ class Deck(Level):
         materials: by name.
         unused: how often there was each keyword that says nothing of the mesh.
         analysis: keywords of contacts and steps, which are among these.
+        ties: file and line, and the two surfaces, of parts that are bonded.
     """
 
     instances: dict[str, int] = field(default_factory=dict)
     materials: dict[str, Material] = field(default_factory=dict)
     unused: Counter[str] = field(default_factory=Counter)
     analysis: list[Card] = field(default_factory=list)
+    ties: list[tuple[str, str, str]] = field(default_factory=list)
 
     def first(self, instance: str) -> int:
         """The number added to those of an instance."""
@@ -201,29 +203,38 @@ class Deck(Level):
         """Elements of an element set, or that hang together with the surface or node set."""
         if label in self.element_sets:
             return self.element_sets[label]
-        sides = self.surfaces.get(label, ())
-        nodes = [node for number, _ in sides for node in self.elements[number][1]]
-        wanted = {self._pieces.get(node) for node in (*nodes, *self.node_sets.get(label, ()))}
+        wanted = {self._pieces.get(node) for node in self._nodes_at(label)}
         return [number for number, (_, own) in self.elements.items()
                 if wanted and self._pieces[own[0]] in wanted]  # fmt: skip
 
     @functools.cached_property
     def _pieces(self) -> dict[int, int]:
-        """Nodes of elements, and the number of the piece of the mesh that each is in."""
+        """Nodes of elements, and the number of the piece of the mesh that each is in.
+
+        Pieces that are tied are one.
+        """
         # Imported where it is needed: a mesh is begun without SciPy.
         from scipy import sparse
         from scipy.sparse.csgraph import connected_components
 
-        rows = np.repeat(
-            np.arange(len(self.elements)), [len(nodes) for _, nodes in self.elements.values()]
-        )
+        joined_nodes = [nodes for _, nodes in self.elements.values()]
+        joined_nodes += [
+            (*self._nodes_at(one), *self._nodes_at(other)) for _, one, other in self.ties
+        ]
+        rows = np.repeat(np.arange(len(joined_nodes)), [*map(len, joined_nodes)])
         numbers, columns = np.unique(
-            [node for _, nodes in self.elements.values() for node in nodes], return_inverse=True
+            [node for nodes in joined_nodes for node in nodes], return_inverse=True
         )
-        joined = sparse.coo_matrix((np.ones(len(rows)), (rows, len(self.elements) + columns)),
-                                   shape=(len(self.elements) + len(numbers),) * 2)  # fmt: skip
-        pieces = connected_components(joined, directed=False)[1][len(self.elements) :]
+        joined = sparse.coo_matrix((np.ones(len(rows)), (rows, len(joined_nodes) + columns)),
+                                   shape=(len(joined_nodes) + len(numbers),) * 2)  # fmt: skip
+        pieces = connected_components(joined, directed=False)[1][len(joined_nodes) :]
         return dict(zip(numbers.tolist(), pieces.tolist(), strict=True))
+
+    def _nodes_at(self, label: str) -> tuple[int, ...]:
+        """Nodes of a node set, or of the elements that have sides in a surface."""
+        sides = self.surfaces.get(label, ())
+        nodes = (node for number, _ in sides for node in self.elements[number][1])
+        return (*nodes, *self.node_sets.get(label, ()))
 
     def named(self, name: str) -> bool:
         """True if a set or surface has this name."""
@@ -288,8 +299,9 @@ def _refuse_keyword(card: Card) -> None:
         return
     # which contacts there are, the case says
     of_contact = card.word == "MODELCHANGE" and card.choice("TYPE", "ELEMENT", CONTACT) == CONTACT
-    if (card.word in REFUSED or tied) and not of_contact:
-        with_word = " with TIED" if tied else ""
+    turned = card.word == "TIE" and "CYCLICSYMMETRY" in card.parameters
+    if (card.word in REFUSED or tied or turned) and not of_contact:
+        with_word = " with TIED" if tied else " with CYCLIC SYMMETRY" if turned else ""
         raise MeshError(
             f"{card.place}: *{card.keyword}{with_word} is not supported; "
             f"{REFUSED.get(card.word, JOINED)}"
@@ -319,6 +331,11 @@ class _Reader:
 
     def read(self, card: Card) -> None:
         """Read one; those that say nothing of the mesh are counted."""
+        if card.word == "TIE":
+            card.require_text()
+            pairs = [[value.strip('"').upper() for value in row[:2]] for row in card.rows]
+            self.deck.ties += [(card.place, one, other) for one, other in pairs]
+            return
         read, block = _READERS.get(card.word), self._blocks.get(card.word)
         of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None
         if block is None and read is None and of_material is None and card.word != "SURFACE":

@@ -44,6 +44,7 @@ def read_inp(
     bodies: Mapping[str, AnyBody | None],
     boundaries: Iterable[str],
     selectors: tuple[Mapping[str, Selector], Mapping[str, Selector]],
+    ties: Iterable[tuple[str, str]] = (),
 ) -> RawMesh:
     """The bodies and boundaries of a case, by the names of sets and surfaces in the file.
 
@@ -53,11 +54,13 @@ def read_inp(
             belong to one of them, or all plane ones where there are no solid ones.
         boundaries: names of the boundaries in the case.
         selectors: names in the file of bodies and of boundaries whose name is another one there.
+        ties: names of the boundaries that the case ties.
 
     Raises:
         MeshError: the file cannot be read, or lacks a set.
     """
     deck = read_deck(path)
+    _require_ties(deck, {frozenset(_label(each, selectors[1]) for each in tie) for tie in ties})
     numbers = sorted(deck.nodes)
     place = {number: index for index, number in enumerate(numbers)}
     points = np.array([deck.nodes[number] for number in numbers])
@@ -86,6 +89,17 @@ def read_inp(
         *_material_notes(path, deck, bodies, members),
     )
     return complete(RawMesh(points, dimension, named, outside, notes))
+
+
+def _require_ties(deck: Deck, known: Set[frozenset[str]]) -> None:
+    """Check that a case has the ties of a deck: without one its parts would come apart."""
+    for place, one, other in deck.ties:
+        if frozenset((one, other)) not in known:
+            raise MeshError(
+                f"{place}: *TIE of {one} and {other}, which the case does not tie: expected a table"
+                f' [ties.NAME] with boundary1 = "{one}" and boundary2 = "{other}", and one body'
+                f' with both, as by the label "{one}"'
+            )
 
 
 def unused(path: Path, deck: Deck, used: Set[int], read: Set[str] = frozenset()) -> Iterator[str]:

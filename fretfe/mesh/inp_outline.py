@@ -35,7 +35,7 @@ def outline(path: Path) -> Iterator[str]:
 
     The bodies are the instances of the file, or, where it has none, the element sets to which its
     sections give materials, or all element sets with elements of bodies; or the pieces with the
-    surfaces of its contacts, where one of these has both surfaces of a contact.
+    surfaces of its contacts, where one of these has both surfaces of a contact, or a tie joins two.
 
     Args:
         path: input file.
@@ -64,7 +64,9 @@ def outline(path: Path) -> Iterator[str]:
     yield "[bodies]"
     for label, name in names.items():
         yield from _body(deck, name, [each for each in deck.elements_of(label) if each in cells])
-    yield from _tables({"contacts": found.contacts, "supports": found.supports,
+    ties = {f"tie{n}": {"boundary1": one, "boundary2": other}
+            for n, (_, one, other) in enumerate(deck.ties, start=1)}  # fmt: skip
+    yield from _tables({"ties": ties, "contacts": found.contacts, "supports": found.supports,
                         "loads": found.loads})  # fmt: skip
     if found.lacks:
         yield ""
@@ -102,9 +104,12 @@ def _in_pieces(
         own = set(deck.elements_of(surface)) & cells
         if own and all(own.isdisjoint(other) for other in pieces.values()):
             pieces[surface] = own
-    within = any(len([own for own in pieces.values() if own <= set(deck.element_sets[label])]) > 1
-                 for label in labels)  # fmt: skip
-    return list(pieces) if within and set().union(*pieces.values()) == cells else labels
+    sets = [set(deck.element_sets[label]) for label in labels]
+    within = any(len([own for own in pieces.values() if own <= each]) > 1 for each in sets)
+    tied = [set(deck.elements_of(one)) & cells for _, one, _ in deck.ties]
+    across = not all(own <= each for own in tied for each in sets if not own.isdisjoint(each))
+    found = (within or across) and set().union(*pieces.values()) == cells
+    return list(pieces) if found else labels
 
 
 def _model(deck: Deck, cells: Set[int]) -> Iterator[str]:

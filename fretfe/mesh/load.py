@@ -209,6 +209,7 @@ def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
     if fault := file_fault(path):
         text = f"expected a file, found {fault}"
         raise MeshError(complaint(case.source, ("geometry", "file"), text))
+    tied = {each for tie in case.ties.values() for each in (tie.boundary1, tie.boundary2)}
     if kind is GMSH_SCRIPT:
         return _mesh_of_script(case, path, size)
     if kind is CAD:
@@ -217,11 +218,11 @@ def _mesh_of_file(case: Case, file: str, size: SetSizes | None) -> Mesh:
         _require_names(case, XDMF)
         facets = case.resolve(case.geometry.facets) if case.geometry.facets is not None else None
         raw = raw_mesh_of(partial(_read_xdmf, path, facets, case.geometry), path)
-        return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True)
+        return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True, tied=tied)
     if kind is ABAQUS:
         raw = _read_inp(case, path)
-        return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True)
-    return read_mesh(path, case.geometry.merge)
+        return mesh_from_raw(raw, str(path), case.geometry.merge, mergeable=True, tied=tied)
+    return read_mesh(path, case.geometry.merge, tied)
 
 
 def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
@@ -295,9 +296,11 @@ def _read_xdmf(
 def _read_inp(case: Case, path: Path) -> RawMesh:
     geometry = case.geometry
     bodies = {name: case.bodies.get(name) for name in [*case.bodies, *geometry.bodies]}
-    named = [name for _, name in named_boundaries(case)]
+    made = {f"{name}_{end}" for name in bodies for end in (FRONT, BACK) if geometry.solid}
+    named = [name for _, name in named_boundaries(case) if name not in made]
     boundaries = dict.fromkeys([*named, *geometry.boundaries])
-    return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries))
+    ties = [(tie.boundary1, tie.boundary2) for tie in case.ties.values()]
+    return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries), ties)
 
 
 def _require_names(case: Case, kind: FileKind) -> None:

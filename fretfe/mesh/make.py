@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Set
 from contextlib import AbstractContextManager
 from functools import partial
 from pathlib import Path
@@ -161,12 +161,15 @@ def _count(gmsh: ModuleType, dimension: int, factor: float) -> int:
     return sum(len(tags) for tags in gmsh.model.mesh.getElements(dimension)[1])
 
 
-def read_mesh(path: str | os.PathLike[str], merge: float | None = None) -> Mesh:
+def read_mesh(
+    path: str | os.PathLike[str], merge: float | None = None, tied: Set[str] = frozenset()
+) -> Mesh:
     """Read a Gmsh file (.msh, format 2.2 or 4.1) whose physical groups have names.
 
     Args:
         path: of the file.
         merge: distance up to which nodes of a body become one; None merges none.
+        tied: boundaries at which bodies hang together although they have no common nodes.
 
     Raises:
         MeshError: The file is missing or unreadable, or the mesh in it is not a set of separate
@@ -175,7 +178,7 @@ def read_mesh(path: str | os.PathLike[str], merge: float | None = None) -> Mesh:
     path = Path(path)
     _require_gmsh_file(path)
     raw = raw_mesh_of(partial(_merged, path), path)
-    return _split(raw, str(path), merge, mergeable=True)
+    return _split(raw, str(path), merge, mergeable=True, tied=tied)
 
 
 def mesh_template(
@@ -238,12 +241,17 @@ def mesh_model(model: OpenModel, path: Path, order: int, size: SetSizes, smalles
 
 
 def _split(
-    raw: RawMesh, source: str, merge: float | None = None, *, mergeable: bool = False
+    raw: RawMesh,
+    source: str,
+    merge: float | None = None,
+    *,
+    mergeable: bool = False,
+    tied: Set[str] = frozenset(),
 ) -> Mesh:
     # Not loaded by the process that reads a file and no more: SciPy takes as long as that.
     from fretfe.mesh.split import mesh_from_raw
 
-    return mesh_from_raw(raw, source, merge, mergeable=mergeable)
+    return mesh_from_raw(raw, source, merge, mergeable=mergeable, tied=tied)
 
 
 def _meshed(

@@ -136,6 +136,7 @@ def check_groups(mesh: Mesh, case: Case) -> None:
             *_contact_problems(mesh, case),
             *_held_problems(mesh, case),
             *_side_problems(mesh, case),
+            *_tie_problems(mesh, case),
         ]
     if problems:
         lines = "".join(f"\n  - {problem}" for problem in problems)
@@ -228,6 +229,9 @@ def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:
     for name, sector in case.symmetry.items():
         yield f"symmetry.{name}.boundary1", sector.boundary1
         yield f"symmetry.{name}.boundary2", sector.boundary2
+    for name, tie in case.ties.items():
+        yield f"ties.{name}.boundary1", tie.boundary1
+        yield f"ties.{name}.boundary2", tie.boundary2
     for name, load in case.loads.items():
         boundary = getattr(load, "boundary", None)
         if boundary is not None:
@@ -299,6 +303,25 @@ def _side_problems(mesh: Mesh, case: Case) -> Iterator[str]:
                     " group"
                 )
             owners.setdefault(body, name)
+
+
+def _tie_problems(mesh: Mesh, case: Case) -> Iterator[str]:
+    """Tied boundaries that are not on one body, or on one that is a sector."""
+    bodies = _bodies_of_boundaries(mesh)
+    turned = {side for each in case.symmetry.values() for side in (each.boundary1, each.boundary2)}
+    for name, tie in case.ties.items():
+        first, second = bodies[tie.boundary1], bodies[tie.boundary2]
+        if len(first) > 1 or first != second:
+            yield (
+                f"ties.{name}: expected boundaries of two parts of one body, but '{tie.boundary1}'"
+                f" is on {_listed(first)} and '{tie.boundary2}' on {_listed(second)}; put the parts"
+                " into one body"
+            )
+        elif not turned.isdisjoint(mesh.bodies[first[0]].boundaries):
+            yield (
+                f"ties.{name}: expected a body without sides of a sector, found '{first[0]}': mesh"
+                " its parts as one"
+            )
 
 
 def _bodies_of_boundaries(mesh: Mesh) -> dict[str, list[str]]:

@@ -9,7 +9,7 @@ loaded: a crack that nobody drew. SciPy is imported by the functions that need i
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import chain
 
 import numpy as np
@@ -270,13 +270,16 @@ def _halved(body: BodyMesh) -> Indices:
     return np.unique(behind[ahead != behind])
 
 
-def require_joined(body: BodyMesh, outside: Indices, source: str, *, mergeable: bool) -> int:
+def require_joined(
+    body: BodyMesh, outside: Indices, source: str, free: Bools, *, mergeable: bool
+) -> int:
     """Check that a body hangs together wherever its cells touch, and count its pieces.
 
     Args:
         body: with any cells.
         outside: (f, k) facets that only one cell has.
         source: file, for messages.
+        free: (n,) nodes that are at no tied boundary: at these elements need no common nodes.
         mergeable: whether nodes of it can be merged, for the remedy.
 
     Returns:
@@ -285,7 +288,7 @@ def require_joined(body: BodyMesh, outside: Indices, source: str, *, mergeable: 
     Raises:
         MeshError: says where, how often, and what to do.
     """
-    joints = find_joints(body, outside)
+    joints = _away_from_ties(find_joints(body, outside), free)
     start = f"{source}: body '{body.name}'"
     pieces = f" of {joints.pieces} pieces" if joints.pieces > 1 else ""
     _refuse_overlap(body, joints.pieces, start)
@@ -312,6 +315,17 @@ def require_joined(body: BodyMesh, outside: Indices, source: str, *, mergeable: 
             "Join them by whole sides, or separate them"
         )
     return joints.pieces
+
+
+def _away_from_ties(joints: Joints, free: Bools) -> Joints:
+    """Places that no tie joins."""
+    loose = free[joints.doubled].any(axis=1)
+    return replace(
+        joints,
+        doubled=joints.doubled[loose],
+        apart=joints.apart[loose],
+        hanging=joints.hanging[free[joints.hanging]],
+    )
 
 
 def _where(body: BodyMesh, nodes: Indices) -> str:

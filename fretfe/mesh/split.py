@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Set
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -115,7 +115,12 @@ _Facets = dict[str, Indices]
 
 
 def mesh_from_raw(
-    raw: RawMesh, source: str, merge: float | None = None, *, mergeable: bool = False
+    raw: RawMesh,
+    source: str,
+    merge: float | None = None,
+    *,
+    mergeable: bool = False,
+    tied: Set[str] = frozenset(),
 ) -> Mesh:
     """Split a mesh into bodies with their own node numbers and boundaries.
 
@@ -124,6 +129,7 @@ def mesh_from_raw(
         source: of it, for messages.
         merge: distance up to which nodes of a body become one; None merges none.
         mergeable: whether a case could ask for that, for messages.
+        tied: boundaries at which bodies hang together although they have no common nodes.
 
     Raises:
         MeshError: It is not a set of separate plane or solid bodies with valid elements.
@@ -160,9 +166,11 @@ def mesh_from_raw(
                 for group, parts in facets[number].items()
             },
             mergeable=mergeable,
+            tied=tied,
         )
     notes += [
-        f"body '{body.name}' consists of {body.pieces} pieces that do not touch each other"
+        f"body '{body.name}' consists of {body.pieces} pieces "
+        + ("that are tied" if tied & body.boundaries.keys() else "that do not touch each other")
         for body in bodies.values()
         if body.pieces > 1
     ]
@@ -298,6 +306,7 @@ def _body(
     boundaries: Mapping[str, _Facets],
     *,
     mergeable: bool,
+    tied: Set[str],
 ) -> BodyMesh:
     """Check the cells, turn them the right way round, and turn the facets with them."""
     nodes, bad = positive_cells(points, cells.nodes, cells.cell, cells.order)
@@ -315,7 +324,6 @@ def _body(
         )
     _require_digits(name, points, outside, shape, source)
     body = BodyMesh(name, points, nodes, cells.cell, cells.order, {})
-    pieces = require_joined(body, outside, source, mergeable=mergeable)
     found = {}
     for group, parts in boundaries.items():
         if other := parts.keys() - {shape}:
@@ -324,6 +332,10 @@ def _body(
                 f" {PLURALS[cells.cell]}; expected {PLURALS[shape]}, the facets of these"
             )
         found[group] = _matching(group, points, outside, parts[shape], source)
+    free = np.ones(len(points), dtype=bool)
+    for group in tied & found.keys():
+        free[found[group]] = False
+    pieces = require_joined(body, outside, source, free, mergeable=mergeable)
     return replace(body, boundaries=found, pieces=pieces)
 
 

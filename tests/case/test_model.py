@@ -394,7 +394,7 @@ def test_a_wrong_wave_is_named(key: str, value: Any, expected: str) -> None:
 
 
 UNKNOWN = {
-    "top": ("titel", "x", "titel: unknown key; did you mean 'title'?"),
+    "top": ("titel", "x", "titel: unknown key; did you mean 'title' or 'ties'?"),
     "section": ("geometry__flie", "x", "geometry.flie: unknown key; did you mean 'file'?"),
     "named": ("contacts__flank__frction", 1, "contacts.flank.frction: unknown key; did you mean"),
     "case": ("bodies__pad__Density", 1, "bodies.pad.Density: unknown key; did you mean 'density'?"),

@@ -377,5 +377,5 @@ def test_materials_of_the_file_are_defaults(tmp_path: Path) -> None:
             deck_case(tmp_path, PART + ASSEMBLY + material, head=own)
     with pytest.raises(CaseError, match=r"bodies.head: expected young and poisson.*: none"):
         deck_case(tmp_path, FLAT)
-    with pytest.raises(CaseError, match=r"geometry.file: .*line 1: \*TIE is not supported"):
-        deck_case(tmp_path, "*TIE, NAME=T\nA, B\n")
+    with pytest.raises(CaseError, match=r"geometry.file: .*line 1: \*MPC is not supported"):
+        deck_case(tmp_path, "*MPC\nTIE, 1, 2\n")

@@ -13,6 +13,7 @@ from typer.testing import CliRunner
 
 from fretfe.case import parse_case
 from fretfe.cli.app import app
+from fretfe.errors import MeshError
 from fretfe.loads import build_history
 from fretfe.mesh.inp import read_deck
 from fretfe.mesh.inp_outline import outline
@@ -208,6 +209,30 @@ def test_frictionless_pairs_and_planes_that_are_turned(tmp_path: Path) -> None:
     assert tomllib.loads("\n".join(lines))["model"] == {"plane": "stress", "thickness": 2.5}
     assert not any(line.startswith("[supports") for line in lines)
     assert any("the bodies are not in a plane of constant z" in line for line in lines)
+
+
+def test_ties_become_a_body_of_their_parts(tmp_path: Path) -> None:
+    """What is tied to the part with the surface of a contact is of its body."""
+    lid = "".join(f"{40 + n}, {n}., 2.\n{50 + n}, {n}., 2.5\n" for n in range(4))
+    cells = "".join(f"{n + 41}, {n + 40}, {n + 41}, {n + 51}, {n + 50}\n" for n in range(3))
+    more = (
+        f"*NODE\n{lid}*ELEMENT, TYPE=CPE4, ELSET=LID\n{cells}*SURFACE, NAME=LIDTOP\nLID, S3\n"
+        "*SURFACE, NAME=LIDFOOT\nLID, S1\n*SOLID SECTION, ELSET=LID, MATERIAL=STEEL\n2.5,\n"
+        "*TIE, NAME=GLUE, POSITION TOLERANCE=0.1\nLIDFOOT, HEAD\n"
+    )
+    text = more + PAIR + HELD + step("*DSLOAD", "LIDTOP, P, 10.")
+    tables, lacks = proposed(tmp_path, text)
+    assert lacks == [] and tables["bodies"].keys() == {"pad", "face"}
+    assert tables["ties"] == {"tie1": {"boundary1": "LIDFOOT", "boundary2": "HEAD"}}
+    case = parse_case(tables, tmp_path / "pad.toml")
+    mesh = load_mesh(case)
+    assert mesh.bodies["pad"].pieces == 2 and mesh.bodies["pad"].points[:, 1].max() == 2.5
+    output = CliRunner().invoke(app, ["check", str(tmp_path / "pad.inp")]).output.splitlines()
+    assert output[-1] == "# This case is valid: write it to a file beside the deck."
+    del tables["ties"]
+    with pytest.raises(MeshError, match=r"line \d+: \*TIE of LIDFOOT and HEAD, which the case does "
+                       r"not tie: expected a table \[ties.NAME\]"):  # fmt: skip
+        load_mesh(parse_case(tables, tmp_path / "pad.toml"))
 
 
 def test_pieces_of_one_element_set(tmp_path: Path) -> None:
