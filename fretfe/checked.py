@@ -6,6 +6,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.bodies.continued import continued_nodes
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
@@ -23,7 +27,7 @@ from fretfe.errors import FretfeError
 from fretfe.loads import History
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.load import size_key
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.surface.checks import load_mesh
 
 # Accuracy for which an element size is proposed; sizes up to this factor larger are as good.
@@ -59,7 +63,25 @@ class Checked:
     def notes(self) -> tuple[str, ...]:
         """Things that a reader of its results should know, in words."""
         own = model_notes(self.case, self.definition, self.mesh)
-        return (*case_notes(self.case), *own)
+        unit = self.case.units.length
+        halves = (
+            f"half model: contact {name} goes on behind the plane of symmetry at "
+            f"{place_text(point + 0.0)} {unit}; P, Q and friction work are those of the half"
+            for name, point in self.middles.items()
+        )
+        return (*case_notes(self.case), *own, *halves)
+
+    @property
+    def middles(self) -> dict[str, Array]:
+        """(2,) places where plane contacts end in a plane of symmetry at one end, by contact."""
+        found = {}
+        for pair in self.pairs if self.mesh.dimension == 2 else ():
+            normals = continued_nodes(self.case, self.definition, self.mesh, pair)
+            if normals is not None:
+                (ends,) = np.nonzero(normals.any(axis=1) & np.isfinite(normals).all(axis=1))
+                if len(ends) == 1:
+                    found[pair.name] = pair.coupling.surface.points[ends[0]]
+        return found
 
     @property
     def cost(self) -> Cost:

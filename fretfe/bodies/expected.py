@@ -9,7 +9,7 @@ a paraboloid. Nothing is said where one of them is not known.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,17 +41,20 @@ MARGIN = 0.85
 ELEMENTS = 2.5
 
 
-def coarse_contacts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
+def coarse_contacts(
+    case: Case, mesh: Mesh, history: History, middles: Mapping[str, Array] | None = None
+) -> Iterator[str]:
     """Warnings of contacts that will be too narrow for their elements to be evaluated.
 
     Args:
         case: of the contacts.
         mesh: its mesh.
         history: its loads.
+        middles: (2,) of contacts in the plane of which the model has a half, by name.
     """
     for name, initial, normal, force in _pressed(case, mesh, history):
         if force > 0:
-            yield from _warning(case, name, initial, normal, force)
+            yield from _warning(case, name, initial, normal, force, (middles or {}).get(name))
 
 
 def pressure_doubts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
@@ -162,7 +165,12 @@ def _load(case: Case, initial: InitialGap, normal: Array, force: float) -> float
 
 
 def _warning(
-    case: Case, name: str, initial: InitialGap, normal: Array, force: float
+    case: Case,
+    name: str,
+    initial: InitialGap,
+    normal: Array,
+    force: float,
+    middle: Array | None,
 ) -> Iterator[str]:
     for surface in (initial.surface1, initial.surface2):
         if len(surface.sizes) < 2:
@@ -174,8 +182,10 @@ def _warning(
             return
     load, carrier = _load(case, initial, normal, force), _carrier(case.contacts[name], initial)
     solid = len(normal) == 3
-    expected = _across_ellipse if solid else _across_strip
-    width, count = expected(initial, carrier, normal, load)
+    if solid:
+        width, count = _across_ellipse(initial, carrier, normal, load)
+    else:
+        width, count = _across_strip(initial, carrier, normal, load, middle)
     if not math.isfinite(width):
         return
     if count < MARGIN * WANTED_NODES:
@@ -196,12 +206,20 @@ def _carrier(contact: ContactTable, initial: InitialGap) -> Surface:
 
 
 def _across_strip(
-    initial: InitialGap, carrier: Surface, normal: Array, load: float
+    initial: InitialGap, carrier: Surface, normal: Array, load: float, middle: Array | None
 ) -> tuple[float, int]:
-    """Half-width of a plane contact under P/E*, and the number of nodes in it."""
+    """Half-width of a plane contact under P/E*, and the number of nodes in it.
+
+    Of a half of it the image carries as much, and has nodes as well.
+    """
     tangent = np.array([normal[1], -normal[0]])
-    width, centre = half_width(initial.points @ tangent, initial.gap, load)
-    return width, int(np.sum(np.abs(carrier.vertices @ tangent - centre) < width))
+    along, gap, nodes = initial.points @ tangent, initial.gap, carrier.vertices @ tangent
+    if middle is not None:
+        twice, load = 2 * float(middle @ tangent), 2 * load
+        along, gap = np.append(along, twice - along), np.append(gap, gap)
+        nodes = np.append(nodes, np.delete(twice - nodes, np.abs(nodes - twice / 2).argmin()))
+    width, centre = half_width(along, gap, load)
+    return width, int(np.sum(np.abs(nodes - centre) < width))
 
 
 def _across_ellipse(

@@ -86,7 +86,7 @@ def _print(checked: Checked) -> None:
     if not any(stiffness_doubts(case)):
         warnings = tuple(pressure_doubts(case, checked.mesh, history))
         if not warnings and case.edges.tolerance is None:
-            warnings = coarse_contacts(case, checked.mesh, history)
+            warnings = coarse_contacts(case, checked.mesh, history, checked.middles)
     for warning in warnings:
         console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:

@@ -14,7 +14,7 @@ from cases.tiny_meshes import Element, Node, TinyMesh
 import fretfe
 from fretfe.analytic.hertz import half_width
 from fretfe.bodies.expected import coarse_contacts
-from fretfe.case import Case, parse_case
+from fretfe.case import Case, changed, parse_case
 from fretfe.checked import check
 
 RADIUS, YOUNG, POISSON, FORCE = 20.0, 210e3, 0.3, 100.0  # of the whole, per unit thickness
@@ -98,3 +98,23 @@ def test_nothing_is_foretold_of_a_gap_that_is_lowest_at_an_end(tmp_path: Path) -
     assert half_width(x, x**2 / 40, 1e-3) == (np.inf, 0.0)
     assert half_width(x, 0.1 * (3.0 - x), 1e-3) == (np.inf, 3.0)
     assert half_width(x[:2], x[:2] ** 2, 1e-3) == (np.inf, 0.0)  # one facet
+
+
+@pytest.mark.parametrize("side", [1, -1], ids=["right", "left"])
+def test_elements_are_counted_over_the_whole_width(tmp_path: Path, side: int) -> None:
+    """By Hertz of the whole: a tenth of the force has 0.047 mm, three elements on either side."""
+    whole = half_case(tmp_path, side)
+    for factor, warned in ((1.0, False), (0.1, True)):
+        ramp = {"ramp": -factor * FORCE / 2, "until": 1.0, "steps": 2}
+        checked = check(changed(whole, {"loads.press.history": [ramp]}))
+        assert checked is not None
+        (middle,) = checked.middles.values()
+        np.testing.assert_allclose(middle, [0.0, 0.0], atol=1e-9)
+        assert any(
+            "half model: contact main goes on behind the plane of symmetry at (0, 0)" in note
+            for note in checked.notes
+        )
+        found = list(coarse_contacts(checked.case, checked.mesh, checked.history, checked.middles))
+        assert bool(found) == warned
+        if warned:
+            assert "about 7 nodes in contact expected at P = 5 (half-width 0.047 mm)" in found[0]
