@@ -281,7 +281,7 @@ class StationHistory:
         default=-1, kw_only=True
     )
     decisive: Annotated[
-        int, Quantity("", "reversal of the worst cycle with the larger P: of K_N and position")
+        int, Quantity("", "reversal of K_T with the larger P: of K_N and position in tables")
     ] = field(default=-1, kw_only=True)
 
     @property

@@ -13,9 +13,8 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.contacts import CountedCycles
 from fretfe.evaluate.factors import WANTED_NODES
-from fretfe.evaluate.numerics import most_loaded
+from fretfe.evaluate.numerics import EQUAL_LOADS, most_loaded
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import blocks
 
@@ -34,23 +33,29 @@ def normal_force(contact: ContactHistory) -> Array:
     return np.concatenate(found)
 
 
-def decisive_state(force: Array, cycle: Indices, ends: Indices, cycles: CountedCycles) -> int:
+def decisive_state(force: Array, along: Array, cycle: Indices, ends: Indices) -> int:
     """The state at which K_N, position and width of an edge are reported.
 
-    The reversal of the worst counted cycle with the larger P; where no cycles are counted the end
-    of a step with the largest P of the cycle, or of all without one.
+    Of the two ends of steps at which K_T is largest and smallest in the cycle, or in all without
+    one, that with the larger P; the largest P where K_T is not known or does not vary.
 
     Args:
         force: (T,) P.
+        along: (T,) K_T, or the factor along the direction in which it varies.
         cycle: states of the evaluated cycle, empty without one.
         ends: states at the ends of steps.
-        cycles: counted at the edge.
     """
-    if len(cycles.count):
-        worst = cycles.worst
-        return most_loaded(force, np.sort([cycles.start[worst], cycles.end[worst]]))
     inside = ends[np.isin(ends, cycle)] if len(cycle) else ends
-    return most_loaded(force, inside if len(inside) else cycle)
+    inside = inside if len(inside) else cycle
+    known = inside[np.isfinite(along[inside])]
+    if not len(known) or not np.ptp(along[known]) > 0:
+        return most_loaded(force, inside)
+    values = along[known] - along[known].min()
+    turns = [
+        known[np.flatnonzero(each >= (1 - EQUAL_LOADS) * each.max())[-1]]
+        for each in (values, values.max() - values)
+    ]
+    return most_loaded(force, np.sort(turns))
 
 
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:

@@ -227,7 +227,7 @@ class EdgeData(ABC):
         states = self.ranged(along.k_t)
         evaluated = _known(along, self.steps.known)
         cycles = count_cycles(cycle, friction, evaluated, self.steps.whole.loads.returns)
-        decisive = decisive_state(self.force, cycle, self.steps.solution.ends, cycles)
+        decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         parts = self.unresolved(number, direction)
         spread = range_spread(self.factors, number, direction, parts, states, self.path)

@@ -287,7 +287,7 @@ def _station(
     path = load_path(loads.values, loads.between, loads.cycle)
     cycles = count_cycles(cycle, problem.friction, history, problem.history.returns)
     ends = np.arange(len(position))
-    state = decisive_state(problem.normal_force, cycle, ends, cycles)
+    state = decisive_state(problem.normal_force, history.k_t, cycle, ends)
     history = replace(history, decisive=state)
     worst = worst_cycle(cycles, cycle, problem.friction, history)
     zones = slip_zones(cycle, problem.friction, history, borders, path, worst=worst)

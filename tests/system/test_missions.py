@@ -142,3 +142,13 @@ def test_contact_that_is_lost_in_between_is_evaluated_where_it_is() -> None:
             assert abs(mine.k_range - theirs.k_range) < np.hypot(
                 mine.k_range_spread, theirs.k_range_spread
             )
+
+
+def test_a_flank_that_stays_jammed_has_the_numbers_of_the_largest_load() -> None:
+    """With f = 1 the root stays in its slot: P is left where nothing pulls any more."""
+    whole, up = (mission("dovetail", parts, friction=1.0) for parts in (ONCE, ONCE[:1]))
+    for one, two in zip(whole.contacts, up.contacts, strict=True):
+        assert one.normal_force[-1] > 1e-3 * one.normal_force.max() and not one.steady
+        for mine, theirs in zip(one.stations, two.stations, strict=True):
+            assert mine.decisive == STEPS
+            assert mine.decisive_k_n[0] == pytest.approx(theirs.decisive_k_n[0], rel=1e-8)

@@ -170,7 +170,7 @@ def _sliding(run: Result) -> str:
     texts = [
         f"{contact.name} in {percent(contact.sliding_share, 0)} of the time, by "
         f"{number(contact.sliding_range, 3)} {run.unit('length')}, friction work "
-        f"{number(contact.reported_dissipation, 3)} {run.unit('work')}"
+        f"{with_error(contact.reported_dissipation, contact.dissipation_spread)} {run.unit('work')}"
         for contact in run.contacts
         if contact.sliding_share > 0
     ]
@@ -223,7 +223,7 @@ def cycle_sentences(run: Result) -> str:
     if run.failure is not None:
         return f"There is no evaluated cycle, as not all steps are solved.{worst}"
     told = "" if run.solid or worst else " Ranges over it are missing."
-    reason = "no load is a wave or a repeated table, and [cycle] gives none"
+    reason = "no load is a wave or a repeated table or returns to zero, and [cycle] gives none"
     return f"There is no evaluated cycle: {reason}.{worst or told}"
 
 

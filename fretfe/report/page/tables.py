@@ -121,12 +121,6 @@ def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
     return f"\nfrom {' / '.join(number(then) for then in places)}"
 
 
-def _predicted(station: Station, zone: SlipZone) -> str:
-    """A predicted length, marked as the factors that it is made of are."""
-    uncertain = station.uncertain or station.uncertain_range
-    return marked(number(station.told_prediction(zone), 3), uncertain)
-
-
 def contact_table(run: Result) -> Table:
     """One row per contact: forces over the cycle, its size at the end, whether that is steady.
 
@@ -417,12 +411,12 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
 def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     verdict, times = judge(edge, zone), run.loads.times
     length = with_error(zone.reported_length, zone.spread)
-    predicted = edge.told_prediction(zone)
+    predicted = math.nan if zone.gross else edge.told_prediction(zone)
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
         found=_or_bound(zone, marked(length, zone.uncertain) + _counted_from(edge, [zone])),
-        predicted=_predicted(edge, zone),
+        predicted=marked(number(predicted, 3), edge.uncertain or edge.uncertain_range),
         ratio=number(ratio, 3),
         verdict=verdict.verdict,
         reason=verdict.reason,
