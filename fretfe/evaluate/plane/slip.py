@@ -273,7 +273,7 @@ def _as_last_nodes(border: SlipBorder, s: Array, slip: Array, slips: Bools) -> S
     inside = after * (first - outer) < before * size
     part = (after * (last - outer) / ((before - after) * size)) ** 2 if inside else 0.5
     other = float(last) + part * size
-    if abs(border.length - other) < max(size / math.sqrt(12), border.spread):
+    if abs(border.length - other) < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
     return replace(border, length=other, spread=spread)
