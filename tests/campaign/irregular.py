@@ -91,7 +91,8 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
         # Bodies that lean move both edges alike.
         half, bar = (places[1] - places[0]) / 2, float(station.position_spread[station.last])
         yield Judged(one, station.front, "edge", half, bar, a[-1], finite * FINITE_BODY * a[-1], "")
-        k_n = float(edge_factor_k_n(one.form, a[-1]))
+        decisive = int(np.argmin(np.abs(times - found.times[station.decisive])))
+        k_n = float(edge_factor_k_n(one.form, a[decisive]))
         value, bar = station.reported_k_n, station.decisive_k_n[1]
         yield Judged(one, station.front, "K_N", value, bar, k_n, finite * FINITE_BODY * k_n, "")
         if cycle:
