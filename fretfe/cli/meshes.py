@@ -65,7 +65,7 @@ def _propose(deck: Path) -> None:
     except FretfeError as error:
         print("# This case cannot be solved yet:")
         for line in str(error).splitlines():
-            print(f"# {line.removeprefix(f'{source}: ')}")
+            print(f"# {line}")
     else:
         print("# This case is valid: write it to a file beside the deck.")
 

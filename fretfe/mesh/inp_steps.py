@@ -31,7 +31,7 @@ HELD = {
 INCREMENTS = 10
 # Keywords that begin what a step does, other than statics.
 STATICS = ("STATIC", "VISCO")
-LOADS = ("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD")
+LOAD_CARDS = ("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD")
 
 # Whether a boundary has facets; raises MeshError with a reason if it has none.
 Find = Callable[[str], object]
@@ -184,7 +184,7 @@ class _Steps:
             elif card.word == "FRICTION":
                 self._friction[interaction] = None
                 self._try(card, partial(self._coefficient, interaction))
-            elif card.word in LOADS:
+            elif card.word in LOAD_CARDS:
                 self._try(card, partial(self._load, _Step(0, 0.0, 0.0, 1.0, jumps=False)))
         for card in cards:
             if card.word == "CONTACTPAIR":
@@ -212,7 +212,7 @@ class _Steps:
         named: set[tuple[str, ...]] = set()
         renewed: set[str] = set()
         for card in cards:
-            if card.word in LOADS:
+            if card.word in LOAD_CARDS:
                 if card.choice("OP", "MOD", "NEW") == "NEW":
                     renewed.add(card.word)
                 self._try(card, lambda each: named.update(self._load(step, each)))

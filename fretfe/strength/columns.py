@@ -21,8 +21,8 @@ from fretfe.loads.csv_file import Table, possible_headers, read_table, read_text
 FACTORS = ("k_n", "dk_t")
 # K_N √l0/σ0 and ΔK_T/(σ0 √l0), with the stress σ0 and the length l0.
 RATIOS = ("k_n_ratio", "dk_t_ratio", "stress", "length")
-LOADS = ("p", "q", "bulk")
-KINDS = (FACTORS, RATIOS, LOADS)
+LOAD_COLUMNS = ("p", "q", "bulk")
+KINDS = (FACTORS, RATIOS, LOAD_COLUMNS)
 RUNOUT = "runout"
 ELASTIC = ("young", "poisson")
 # Every test has these; the constants of a test with loads may come from a material or a case.
@@ -98,13 +98,13 @@ def read_columns_of_tests(path: Path, units: Units) -> Columns:
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    known = {*PLAIN, *FACTORS, *RATIOS, *LOADS, *BESIDE_LOADS, *TEXTS, RUNOUT}
+    known = {*PLAIN, *FACTORS, *RATIOS, *LOAD_COLUMNS, *BESIDE_LOADS, *TEXTS, RUNOUT}
     headers = possible_headers(path)
     header = max(headers, key=lambda names: len(known & {_split(name)[0] for name in names}))
     found = _named(path, header)
     kind = _kind(path, found)
     wanted = _wanted(path, found, kind)
-    texts = [name for name in TEXTS if kind == LOADS and name in found]
+    texts = [name for name in TEXTS if kind == LOAD_COLUMNS and name in found]
     scales = [_scale(path, name, found, units) for name in wanted]
     names = [found[name][0] for name in wanted]
     mark = None if RUNOUT in found else (found["life"][0], MARK)
@@ -149,8 +149,8 @@ def _named(path: Path, header: Iterable[str]) -> dict[str, tuple[str, str | None
 def _kind(path: Path, found: Iterable[str]) -> tuple[str, ...]:
     """Columns that factors come from: loads, only if the file has no factors itself."""
     kinds = [each for each in KINDS if set(each[:2]) & set(found)]
-    if len(kinds) > 1 and LOADS in kinds:
-        kinds.remove(LOADS)
+    if len(kinds) > 1 and LOAD_COLUMNS in kinds:
+        kinds.remove(LOAD_COLUMNS)
     if len(kinds) != 1:
         raise CaseError(
             f"{path}: line 1: expected either k_n and dk_t or k_n_ratio and dk_t_ratio, or loads, "
@@ -162,7 +162,7 @@ def _kind(path: Path, found: Iterable[str]) -> tuple[str, ...]:
 def _wanted(path: Path, found: Mapping[str, object], kind: tuple[str, ...]) -> list[str]:
     """Names of all columns of numbers that are read."""
     wanted = [*kind, *PLAIN]
-    if kind != LOADS:
+    if kind != LOAD_COLUMNS:
         wanted += ELASTIC
     elif "case" not in found:
         wanted += ["radius", *(() if "material" in found else ELASTIC)]
@@ -171,7 +171,7 @@ def _wanted(path: Path, found: Mapping[str, object], kind: tuple[str, ...]) -> l
             listed = ", ".join(map(repr, found))
             hint = " (0 will do)" if name == "bulk" else ""
             raise CaseError(f"{path}: line 1: expected a column {name!r}{hint}, found {listed}")
-    if kind == LOADS:
+    if kind == LOAD_COLUMNS:
         twice = {"case": ("radius", "flat_half_width", "height", "material", *ELASTIC),
                  "material": ELASTIC}  # fmt: skip
         for name, others in twice.items():
@@ -216,11 +216,11 @@ def _scale(
 
 def _size(unit: str) -> tuple[float, str] | None:
     """Size of a unit in SI, and of what; None if it is not known."""
-    label = unit.strip()
+    written = unit.strip()
     for of, known in (("stress", STRESSES), ("force", FORCES), ("length", METRES)):
-        if label in known:
-            return known[label], of
-    force, _, length = (each.strip() for each in label.partition("/"))
+        if written in known:
+            return known[written], of
+    force, _, length = (each.strip() for each in written.partition("/"))
     if force in FORCES and length in METRES:
         return FORCES[force] / METRES[length], "force/length"
     return None

@@ -232,7 +232,7 @@ def _border_between(
 
 
 def _moved(slip: Array) -> Bools:
-    """Whether nodes have slipped: the last one of a zone may have by less than `SMALLEST_SLIP`.
+    """Flags of nodes that have slipped: the last of a zone may have by less than `SMALLEST_SLIP`.
 
     More than one such is what a loop that almost closes leaves behind the border.
 
