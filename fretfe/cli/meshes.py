@@ -64,8 +64,7 @@ def _propose(deck: Path) -> None:
         check_case(parse_case(tomllib.loads(text), source))
     except FretfeError as error:
         print("# This case cannot be solved yet:")
-        for line in str(error).splitlines():
-            print(f"# {line}")
+        print("#", str(error).replace("\n", "\n# "))
     else:
         print("# This case is valid: write it to a file beside the deck.")
 

@@ -21,7 +21,7 @@ from fretfe.evaluate.limits import DOUBTED
 from fretfe.idealise.bodies import Block, geometry_obstacles, read_block
 from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.templates import check_parameters, find_template
-from fretfe.strength.columns import FACTORS, LOADS, Columns, read_columns_of_tests
+from fretfe.strength.columns import FACTORS, LOAD_COLUMNS, Columns, read_columns_of_tests
 from fretfe.strength.loads import PadEdge, PadLoads, edge_of
 
 # Lines of a file that a note lists.
@@ -79,7 +79,7 @@ def read_tests(path: Path, units: Units) -> StrengthTests:
     count = len(columns.table.lines)
     outside: tuple[str, ...] = ("",) * count
     notes: tuple[str, ...] = ()
-    if columns.kind == LOADS:
+    if columns.kind == LOAD_COLUMNS:
         pads = list(_pads(columns, units))
         edges = [edge_of(_loads(columns, row, pad)) for row, pad in enumerate(pads)]
         k_n, k_t_range = np.array([(each.k_n, each.k_t_range) for each in edges]).T
