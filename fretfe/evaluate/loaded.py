@@ -37,7 +37,8 @@ def decisive_state(force: Array, along: Array, cycle: Indices, ends: Indices) ->
     """The state at which K_N, position and width of an edge are reported.
 
     Of the two ends of steps at which K_T is largest and smallest in the cycle, or in all without
-    one, that with the larger P; the largest P where K_T is not known or does not vary.
+    one, that with the larger P; the largest P where K_T is not known or does not vary, or where
+    both ends carry less than half of it: K_T begins anew where bodies that were apart touch.
 
     Args:
         force: (T,) P.
@@ -55,7 +56,9 @@ def decisive_state(force: Array, along: Array, cycle: Indices, ends: Indices) ->
         known[np.flatnonzero(each >= (1 - EQUAL_LOADS) * each.max())[-1]]
         for each in (values, values.max() - values)
     ]
-    return most_loaded(force, np.sort(turns))
+    turn = most_loaded(force, np.sort(turns))
+    heaviest = most_loaded(force, inside)
+    return turn if 2 * force[turn] >= force[heaviest] else heaviest
 
 
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:

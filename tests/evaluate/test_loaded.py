@@ -1,0 +1,29 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""States in which a contact is loaded."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fretfe.evaluate.loaded import decisive_state
+
+STATES = np.arange(6)
+
+
+@pytest.mark.parametrize(
+    ("force", "along", "decides"),
+    [
+        # both extremes of K_T: that with the larger P
+        ([0, 80, 100, 90, 95, 100], [0, -5, 0, 5, 0, 0], 3),
+        # bodies that touch again: K_T is largest and smallest at hardly any load
+        ([0, 20, 100, 60, 30, 0], [0, -5, 0, 1, 5, 0], 2),
+        # nothing but P varies
+        ([0, 20, 100, 60, 30, 10], [0, 0, 0, 0, 0, 0], 2),
+    ],
+)
+def test_the_state_that_decides(force: list[float], along: list[float], decides: int) -> None:
+    found = decisive_state(
+        np.array(force, dtype=float), np.array(along, dtype=float), STATES, STATES
+    )
+    assert found == decides
