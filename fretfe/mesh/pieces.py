@@ -350,7 +350,8 @@ def _remedy(body: BodyMesh, outside: Indices, joints: Joints, *, mergeable: bool
     return (
         "Join the parts in the mesh generator (in Gmsh Mesh > Remove duplicate nodes, within "
         f"this body only), or give geometry.merge = {tolerance:.2g}, which joins nodes of a body "
-        "that are no farther apart"
+        "that are no farther apart, or bond two boundaries there by [ties.NAME] with their names "
+        "in the mesh"
     )
 
 
