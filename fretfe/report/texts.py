@@ -56,7 +56,7 @@ def percent(value: float, decimals: int = 2) -> str:
 def with_error(value: float, spread: float) -> str:
     """Value and error, with two digits of the error: 0.5749 ± 0.0012.
 
-    Six digits without an error if that is zero or not known; marked if it exceeds the value.
+    Six digits without an error if that is zero or not known; marked if it exceeds a value other than zero.
     """
     if not math.isfinite(value):
         return MISSING
@@ -68,7 +68,7 @@ def with_error(value: float, spread: float) -> str:
     else:
         decimals = max(digits, 0)
         text = f"{value:.{decimals}f} ± {spread:.{decimals}f}"
-    return marked(text, uncertain=spread > abs(value))
+    return marked(text, uncertain=spread > abs(value) > 0)
 
 
 def marked(text: str, uncertain: bool) -> str:

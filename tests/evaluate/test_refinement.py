@@ -233,6 +233,7 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
     station = SimpleNamespace(
         front="left",
         last=1,
+        decisive=1,
         decisive_k_n=(math.nan, math.nan),
         uncertain=False,
         position=unknown,

@@ -67,7 +67,9 @@ def test_a_pad_that_is_pulled_off_says_in_which_step_it_opens(solved: Any) -> No
     result = solved(pad(geometry=cylinder(size=0.1), loads=loads))
     assert "The contact opens at step 4: no contact is left" in str(result.failure)
     assert result.contacts[0].normal_force == pytest.approx([0, 300, 600, 300, 0], abs=1e-6)
-    assert station_table(result) is None
+    # The edges are those of the largest load.
+    assert station_table(result) is not None
+    assert [station.decisive for station in result.contacts[0].stations] == [2, 2]
 
 
 def test_the_pairing_error_of_no_shear_is_not_measured(solved: Any) -> None:

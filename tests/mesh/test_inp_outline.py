@@ -73,11 +73,11 @@ SHIFT = "          0.,           1.,           0.\n"
 MATERIAL = """\
 *MATERIAL, NAME=steel
 *Density
- 7.85e-09,
+ 7.85e-9,
 *Elastic
 210000., 0.3
 *Expansion, zero=20.
- 1.2e-05,
+ 1.2e-5,
 *Plastic
 300., 0.
 """
@@ -282,7 +282,7 @@ def test_materials_against_the_case(tmp_path: Path) -> None:
         "reference_temperature = 20; the case has none, none, none, which counts"
     )
     bodies = {"upper": Body(young=200e3, poisson=0.3), "lower": STEEL}
-    other = text.replace("*Expansion, zero=20.\n 1.2e-05,\n", "")
+    other = text.replace("*Expansion, zero=20.\n 1.2e-5,\n", "")
     notes = read_inp(write(tmp_path, other), bodies, ["flank"], ({}, {})).notes
     assert notes[1] == (
         "pad.inp: material STEEL of body 'upper' has density = 7.85e-09, young = 210000; the case "
@@ -363,8 +363,8 @@ def test_materials_of_the_file_are_defaults(tmp_path: Path) -> None:
                  reference_temperature=20)  # fmt: skip
     assert case.bodies == {"head": steel, "lower": Body(**own)}
     assert case.material_notes == (
-        "bodies.head: STEEL of pad.inp: young = 210000, poisson = 0.3, density = 7.85e-09, "
-        "expansion = 1.2e-05",
+        "bodies.head: STEEL of pad.inp: young = 210000, poisson = 0.3, density = 7.85e-9, "
+        "expansion = 1.2e-5",
     )
     stiffer = changed(case, {"bodies.head.young": 220e3})
     assert stiffer.bodies["head"] == steel.model_copy(update={"young": 220e3})
