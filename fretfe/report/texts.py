@@ -56,7 +56,8 @@ def percent(value: float, decimals: int = 2) -> str:
 def with_error(value: float, spread: float) -> str:
     """Value and error, with two digits of the error: 0.5749 ± 0.0012.
 
-    Six digits without an error if that is zero or not known; marked if it exceeds a value other than zero.
+    Six digits without an error if that is zero or not known; marked if it exceeds a value that is
+    not zero.
     """
     if not math.isfinite(value):
         return MISSING
