@@ -97,7 +97,7 @@ def _with_edges(contact: ContactHistory, force: Array, first: int, last: int) ->
 
 
 def left_out(cycle: tuple[int, int] | None, states: Indices, force: Array) -> float:
-    """Part of the range of K_T that may lie in the states of a cycle that are left out.
+    """Range of K_T that may lie in the states of a cycle left out, over that in the others.
 
     Args:
         cycle: first and last state of all of it.
@@ -108,4 +108,5 @@ def left_out(cycle: tuple[int, int] | None, states: Indices, force: Array) -> fl
         return 0.0
     ends = [mine for mine, whole in zip(states[[0, -1]], cycle, strict=True) if mine != whole]
     share = force[ends].max(initial=0.0) / force[states].max()
-    return float(max(share, 0.0) ** GROWTH)
+    part = float(max(share, 0.0) ** GROWTH)
+    return part / max(1.0 - part, 0.1)

@@ -26,7 +26,7 @@ from fretfe.evaluate.plane.section import (
     plane_sections,
 )
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import FindBorder
+from fretfe.evaluate.slip import FindBorder, cycle_states
 from fretfe.evaluate.stations import EdgeData, MovedEdge
 from fretfe.history.solution import ContactHistory
 
@@ -103,7 +103,10 @@ class PlaneEdges(EdgeData):
         along = along_line(self.factors.ways.mean(axis=0)[number], direction)
         states = self.ranged(along)
         missed = left_out(self.steps.whole.cycle, states, self.force)
-        return [*self._unresolved[number], missed * cycle_range(along, states)]
+        swing = cycle_range(along, states)
+        # Where bodies part, full stick has factors up to P = 0, with areas that are hardly known.
+        beyond = cycle_range(along, cycle_states(self.steps.whole.cycle)) - swing
+        return [*self._unresolved[number], missed * swing + float(np.nan_to_num(beyond))]
 
     @cached_property
     def _unresolved(self) -> list[list[float]]:
