@@ -18,6 +18,9 @@ from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE
 from fretfe.verdict import Verdict
 
+# An edge that moves by less than this part of a slip zone is in the same place.
+SAME_PLACE = 0.01
+
 
 @dataclass(frozen=True)
 class Headline:
@@ -100,8 +103,16 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
         texts.append("the whole contact slides there")
     elif zone is not None:
         found = _known(with_error(*zone.told), run.unit("length"))
-        texts.append(f"d {found} ({_compared(run, station, verdict)})")
+        texts.append(f"d {found}{_counted_from(station)} ({_compared(run, station, verdict)})")
     return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}."
+
+
+def _counted_from(station: Station) -> str:
+    """Where the edge is as the longest slip zone ends, if that is not where it is reported."""
+    zone = station.longest_zone
+    assert zone is not None
+    then, here = (float(station.position[each]) for each in (zone.end, station.decisive))
+    return f" from {number(then)}" if abs(then - here) > SAME_PLACE * zone.reported_length else ""
 
 
 def _range_symbol(contact: Contact, station: Station) -> str:
@@ -155,8 +166,11 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
             yield lost or f"{symbol} is unknown"
         elif bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
-    if longest_verdict(station).verdict is Verdict.NOT_RESOLVED:
+    zone, judgement = station.longest_zone, longest_verdict(station)
+    if judgement.verdict is Verdict.NOT_RESOLVED:
         yield "the mesh does not resolve the slip zone"
+    elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not lost:
+        yield f"the slip zone is compared with nothing: {judgement.reason}"
     exceeded = [each for each in run.limits if each.exceeded or each.doubtful]
     if exceeded:
         kinds = dict.fromkeys(each.caution.kind.heading for each in exceeded)

@@ -20,7 +20,7 @@ from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import judge
 from fretfe.evaluate.withheld import Lack
-from fretfe.report.page.headline import headline
+from fretfe.report.page.headline import SAME_PLACE, headline
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
@@ -41,8 +41,6 @@ HEADERS = (
 )
 # Part of P below which a shear force is round-off.
 ROUND_OFF = 1e-9
-# An edge that moves by less than this part of a slip zone is in the same place.
-SAME_PLACE = 0.01
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2
 
