@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.slip import SlipBorder
 
@@ -86,7 +86,7 @@ class Growth:
         Where a loop closes then the zone jumps, or does not.
         """
         beyond = self._beyond
-        jumps = np.flatnonzero((self.rate[1:] > 0) & (self.rate[:-1] == 0)) + 1
+        jumps = self._jumps
         places = np.arange(len(self.rate))
         return (
             self,
@@ -102,6 +102,26 @@ class Growth:
         beyond = self._beyond
         kept = np.where(beyond > self.loose * beyond[0], self.rate, 0.0)
         return replace(self, rate=kept).even
+
+    @property
+    def beyond(self) -> float:
+        """Part of its length by which the zone jumps at its end while no node need show it.
+
+        That takes little of the drive; what f K_I moves the edge by may close a loop as well, and
+        edges of finite elements move a little at constant P.
+        """
+        if not len(self._jumps):
+            return 0.0
+        beyond, last = self._beyond, self._jumps[-1]
+        if not max(self.loose - LOOSE, 0.1 * LOOSE) < beyond[last] / beyond[0] < MOST_LOOSE:
+            return 0.0
+        kept = replace(self, rate=np.where(np.arange(len(beyond)) < last, self.rate, 0.0))
+        return self.length / kept.length - 1.0 if kept.length > 0 else math.inf
+
+    @property
+    def _jumps(self) -> Indices:
+        """Depths to which the zone jumps."""
+        return np.flatnonzero((self.rate[1:] > 0) & (self.rate[:-1] == 0)) + 1
 
     @property
     def _beyond(self) -> Array:
@@ -181,21 +201,28 @@ def evened(
         find: gives the border if slip is divided by factors (n,).
         size: of the elements at the border.
     """
-    if border.gross or growth.even or not border.length > 0:
+    if border.gross or not border.length > 0:
         return border
+    beyond = growth.beyond * border.length
+    if growth.even:
+        return replace(border, beyond=beyond)
     versions = [each for each in growth.versions() if not each.even]
     weight = 1 / CLEARLY if growth.nearly_even else CLEARLY
     apart = size / math.sqrt(12)
     if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)
-        return replace(border, spread=math.hypot(border.spread, apart, missed))
+        spread = math.hypot(border.spread, apart, missed)
+        return replace(border, spread=spread, beyond=beyond)
     found = [border, *(_settled(each, s, border, find) for each in versions)]
     straight = [each.spread * (weight if each is border else 1.0) for each in found]
-    best = found[int(np.argmin(straight))]
+    number = int(np.argmin(straight))
+    best = found[number]
     rivals = [each for each in found if each.spread < best.spread]
     doubt = max((abs(each.length - best.length) / 2 for each in rivals), default=0.0)
     changed = UNSURE * (best.length - border.length)
-    return replace(best, spread=math.hypot(best.spread, apart, changed, doubt))
+    spread = math.hypot(best.spread, apart, changed, doubt)
+    shown = number > 0 and versions[number - 1] is growth
+    return replace(best, spread=spread, beyond=0.0 if shown else growth.beyond * best.length)
 
 
 def _settled(

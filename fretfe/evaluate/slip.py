@@ -42,13 +42,19 @@ class SlipBorder:
 
     ``spread`` is half the width of an interval that is meant to hold the place of the border with
     95 %, 0 in closed forms; the error of the edge is not in it. Infinite if a fit has no length.
-
+    ``beyond`` is how much farther inward the zone may end although no node shows it.
     """
 
     length: float
     resolved: bool
     gross: bool
     spread: float = 0.0
+    beyond: float = 0.0
+
+    @property
+    def held(self) -> SlipBorder:
+        """The border with a bar that holds an end of the zone which no node shows."""
+        return replace(self, spread=max(self.spread, self.beyond))
 
 
 @dataclass(frozen=True)

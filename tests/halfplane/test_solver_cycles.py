@@ -51,6 +51,18 @@ def test_slip_that_passes_the_border_of_the_slip_before(back: float, beyond: flo
         assert zone.spread < 0.021 * exact
 
 
+@pytest.mark.parametrize(("back", "beyond"), [(0.28, 0.302), (0.29, 0.302), (0.25, 0.303)])
+def test_slip_that_goes_just_beyond_a_closing_loop(back: float, beyond: float) -> None:
+    """The zone jumps to that of the first loading, where hardly anything slips."""
+    path = np.interp(np.arange(0.5, 3.1, 0.5), range(4), [0.0, -0.3, back, -beyond])
+    summary = solved(problem(LOAD, LIMIT * path))
+    exact = 1 - np.sqrt(1 - beyond)
+    for edge in summary.stations:
+        zone = edge.slip_zones[-1]
+        assert zone.length == pytest.approx(exact, abs=zone.spread)
+        assert zone.spread < 0.1 * exact
+
+
 @pytest.mark.parametrize("ratio", [0.2, 0.5, 0.8])
 def test_shear_of_cattaneo_mindlin_after_a_reversal(ratio: float) -> None:
     q1 = ratio * LIMIT

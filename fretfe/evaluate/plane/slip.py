@@ -219,7 +219,7 @@ def _border_between(
             return slip_border(s, slip / stretch, moved)
 
         border = evened(growth, s, border, find, size)
-    border = _as_last_nodes(border, s, slip, moved)
+    border = _as_last_nodes(border, s, slip, moved).held
     if hidden and border.length > 0:
         hidden *= size * min(size / border.length, 0.5)
         stiff = LINEAR_BODIES * border.length
@@ -276,7 +276,7 @@ def _as_last_nodes(border: SlipBorder, s: Array, slip: Array, slips: Bools) -> S
     if abs(border.length - other) < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
-    return replace(border, length=other, spread=spread)
+    return replace(border, length=other, spread=spread, beyond=0.0)
 
 
 def _line(steps: Iterator[Array], nodes: Indices) -> Array:

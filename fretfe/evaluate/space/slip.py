@@ -226,7 +226,7 @@ class SlipBetween:
                     )
 
                 border = evened(grown, sector.s - here, border, by, sector.size)
-            return border
+            return border.held
 
         return find
 
