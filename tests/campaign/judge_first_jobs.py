@@ -132,9 +132,13 @@ def _faults_of_numbers(result: Result, job: Job) -> Iterator[str]:
     sphere = job.template == "sphere"
     k_n, k_range = factors
     scale = job.peak / math.pi
-    for each in contact.stations:
+    # K_N grows with the root of the half-width, that with P^(1/2), of spheres P^(1/3).
+    force, power = contact.normal_force, 1 / 6 if sphere else 1 / 4
+    at_end = float(force[-1 if result.loads.cycle is None else result.loads.cycle[1]])
+    for each in contact.stations if at_end > 0 else ():
         value, bar = each.decisive_k_n
-        yield from _off(each.front, "K_N", value, bar, k_n, FINITE * k_n)
+        truth = k_n * (float(force[each.decisive]) / at_end) ** power
+        yield from _off(each.front, "K_N", value, bar, truth, FINITE * truth)
     # Edges have ranges of their own, stations of a sphere the same.
     largest = max(contact.stations, key=lambda each: each.k_range, default=None)
     pressed = job.tables["contacts"]["main"]["friction_from"] if _late(job) else math.inf

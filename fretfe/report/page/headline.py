@@ -108,7 +108,7 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
 
 
 def _counted_from(station: Station) -> str:
-    """Where the edge is as the longest slip zone ends, if that is not where it is reported."""
+    """Place of the edge as the longest slip zone ends, if it is reported elsewhere."""
     zone = station.longest_zone
     assert zone is not None
     then, here = (float(station.position[each]) for each in (zone.end, station.decisive))
