@@ -277,7 +277,8 @@ def finer_sweep(case: Case, factor: float) -> Case:
     geometry, changed = case.geometry, dict[str, Any]()
     if geometry.solid is not None:
         layers = math.ceil(geometry.solid.layers * factor - 1e-9)
-        thinner = {"layers": layers, "end_size": _divided(geometry.solid.end_size, factor)}
+        end = geometry.solid.end_size
+        thinner = {"layers": layers, "end_size": end and end / factor}
         changed["solid"] = geometry.solid.model_copy(update=thinner)
     elif geometry.template is not None:
         known = find_template(geometry.template, length=case.units.length).parameters
@@ -287,10 +288,6 @@ def finer_sweep(case: Case, factor: float) -> Case:
             finer = {name: size / factor for name, size in sizes.items()}
             changed["parameters"] = {**geometry.parameters, **finer}
     return case.model_copy(update={"geometry": geometry.model_copy(update=changed)})
-
-
-def _divided(size: float | None, factor: float) -> float | None:
-    return None if size is None else size / factor
 
 
 def _front_places(

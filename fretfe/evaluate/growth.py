@@ -85,16 +85,8 @@ class Growth:
 
         Where a loop closes then the zone jumps, or does not.
         """
-        beyond = self._beyond
-        jumps = self._jumps
-        places = np.arange(len(self.rate))
-        return (
-            self,
-            *(
-                replace(self, rate=np.where(places < jump, self.rate, 0.0))
-                for jump in jumps[beyond[jumps] < MOST_LOOSE * beyond[0]]
-            ),
-        )
+        beyond, jumps = self._beyond, self._jumps
+        return self, *map(self._before, jumps[beyond[jumps] < MOST_LOOSE * beyond[0]])
 
     @property
     def nearly_even(self) -> bool:
@@ -110,13 +102,18 @@ class Growth:
         That takes little of the drive; what f K_I moves the edge by may close a loop as well, and
         edges of finite elements move a little at constant P.
         """
-        if not len(self._jumps):
+        beyond, jumps = self._beyond, self._jumps
+        if not len(jumps):
             return 0.0
-        beyond, last = self._beyond, self._jumps[-1]
+        last = jumps[-1]
         if not max(self.loose - LOOSE, 0.1 * LOOSE) < beyond[last] / beyond[0] < MOST_LOOSE:
             return 0.0
-        kept = replace(self, rate=np.where(np.arange(len(beyond)) < last, self.rate, 0.0))
-        return self.length / kept.length - 1.0 if kept.length > 0 else math.inf
+        kept = self._before(last).length
+        return self.length / kept - 1.0 if kept > 0 else math.inf
+
+    def _before(self, jump: int) -> Growth:
+        """The growth up to where it jumps to a depth."""
+        return replace(self, rate=np.where(np.arange(len(self.rate)) < jump, self.rate, 0.0))
 
     @property
     def _jumps(self) -> Indices:
@@ -203,16 +200,16 @@ def evened(
     """
     if border.gross or not border.length > 0:
         return border
-    beyond = growth.beyond * border.length
+    jump = growth.beyond
     if growth.even:
-        return replace(border, beyond=beyond)
+        return replace(border, beyond=jump * border.length)
     versions = [each for each in growth.versions() if not each.even]
     weight = 1 / CLEARLY if growth.nearly_even else CLEARLY
     apart = size / math.sqrt(12)
     if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)
         spread = math.hypot(border.spread, apart, missed)
-        return replace(border, spread=spread, beyond=beyond)
+        return replace(border, spread=spread, beyond=jump * border.length)
     found = [border, *(_settled(each, s, border, find) for each in versions)]
     straight = [each.spread * (weight if each is border else 1.0) for each in found]
     number = int(np.argmin(straight))
@@ -222,7 +219,7 @@ def evened(
     changed = UNSURE * (best.length - border.length)
     spread = math.hypot(best.spread, apart, changed, doubt)
     shown = number > 0 and versions[number - 1] is growth
-    return replace(best, spread=spread, beyond=0.0 if shown else growth.beyond * best.length)
+    return replace(best, spread=spread, beyond=0.0 if shown else jump * best.length)
 
 
 def _settled(

@@ -14,7 +14,7 @@ from fretfe.analytic.edges import factor_range_phase_shifted, tangential_factor
 from fretfe.analytic.partial_slip import PartialSlip, hertz_dissipation
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import Contact, SlipZone
 from fretfe.evaluate.verdicts import judge
 from fretfe.halfplane import solve_half_planes
 from fretfe.verdict import Verdict
@@ -38,14 +38,18 @@ def test_cattaneo_mindlin(ratio: float, direction: float) -> None:
     assert stick == pytest.approx([np.sqrt(1 - ratio)] * 2, abs=0.001)
 
 
+def beyond_first_loading(back: float, beyond: float) -> tuple[list[SlipZone], float]:
+    """Last slip zones of both edges as Q/(f P) goes 0, -0.3, back, -beyond; their exact length."""
+    path = np.interp(np.arange(0.5, 3.1, 0.5), range(4), [0.0, -0.3, back, -beyond])
+    edges = solved(problem(LOAD, LIMIT * path)).stations
+    return [edge.slip_zones[-1] for edge in edges], 1 - np.sqrt(1 - beyond)
+
+
 @pytest.mark.parametrize(("back", "beyond"), [(0.27, 0.303), (0.2, 0.304)])
 def test_slip_that_passes_the_border_of_the_slip_before(back: float, beyond: float) -> None:
     """Slip falls as two powers of 3/2: the one that ends farther inward is the first loading."""
-    path = np.interp(np.arange(0.5, 3.1, 0.5), range(4), [0.0, -0.3, back, -beyond])
-    summary = solved(problem(LOAD, LIMIT * path))
-    exact = 1 - np.sqrt(1 - beyond)
-    for edge in summary.stations:
-        zone = edge.slip_zones[-1]
+    zones, exact = beyond_first_loading(back, beyond)
+    for zone in zones:
         assert zone.resolved
         assert zone.length == pytest.approx(exact, abs=zone.spread)
         assert zone.spread < 0.021 * exact
@@ -54,11 +58,8 @@ def test_slip_that_passes_the_border_of_the_slip_before(back: float, beyond: flo
 @pytest.mark.parametrize(("back", "beyond"), [(0.28, 0.302), (0.29, 0.302), (0.25, 0.303)])
 def test_slip_that_goes_just_beyond_a_closing_loop(back: float, beyond: float) -> None:
     """The zone jumps to that of the first loading, where hardly anything slips."""
-    path = np.interp(np.arange(0.5, 3.1, 0.5), range(4), [0.0, -0.3, back, -beyond])
-    summary = solved(problem(LOAD, LIMIT * path))
-    exact = 1 - np.sqrt(1 - beyond)
-    for edge in summary.stations:
-        zone = edge.slip_zones[-1]
+    zones, exact = beyond_first_loading(back, beyond)
+    for zone in zones:
         assert zone.length == pytest.approx(exact, abs=zone.spread)
         assert zone.spread < 0.1 * exact
 

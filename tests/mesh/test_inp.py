@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.decks import LOW, NODES, UP
 
 from fretfe.case import Body, parse_case
 from fretfe.errors import MeshError
@@ -21,17 +22,6 @@ from fretfe.mesh.split import mesh_from_raw
 
 STEEL = Body(young=210e3, poisson=0.3)
 BODIES = {"low": STEEL, "up": STEEL}
-# Two rows of three squares, one on the other.
-NODES = "".join(
-    f"{first + 4 * row + column}, {column}., {row + height}.\n"
-    for first, height in ((1, 0), (21, 1))
-    for row in range(2)
-    for column in range(4)
-)
-LOW, UP = (
-    "".join(f"{n}, {n}, {n + 1}, {n + 5}, {n + 4}\n" for n in range(first, first + 3))
-    for first in (1, 21)
-)
 SURFACES = "*SURFACE, NAME=FACE\nTOP, S3\n*SURFACE, NAME=HEAD\nUP, S3\n"
 SETS = "*ELSET, ELSET=TOP, GENERATE\n1, 3, 1\n"
 DECK = (

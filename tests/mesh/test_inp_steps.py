@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.decks import LOW, NODES, UP
 from typer.testing import CliRunner
 
 from fretfe.case import parse_case
@@ -19,17 +20,6 @@ from fretfe.mesh.inp import read_deck
 from fretfe.mesh.inp_outline import outline
 from fretfe.surface.checks import load_mesh
 
-# Two rows of three squares: x from 0 to 3, y from 0 to 1 and from 1 to 2.
-NODES = "".join(
-    f"{first + 4 * row + column}, {column}., {row + height}.\n"
-    for first, height in ((1, 0), (21, 1))
-    for row in range(2)
-    for column in range(4)
-)
-LOW, UP = (
-    "".join(f"{n}, {n}, {n + 1}, {n + 5}, {n + 4}\n" for n in range(first, first + 3))
-    for first in (1, 21)
-)
 MODEL = (
     f"*NODE\n{NODES}*ELEMENT, TYPE=CPE4, ELSET=LOW\n{LOW}*ELEMENT, TYPE=CPE4, ELSET=UP\n{UP}"
     "*ELSET, ELSET=ALL\nLOW, UP\n*NSET, NSET=FOOT\n1, 2, 3, 4\n*NSET, NSET=CREST\n25, 26, 27, 28\n"

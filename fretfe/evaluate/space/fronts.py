@@ -114,8 +114,7 @@ class SpaceFront:
         frames = self.frames
         if frames.closed:
             return np.zeros(len(frames.arc))
-        sizes = np.array([sector.along_size for sector in self.sectors])
-        room = np.minimum(ROOM * sizes, frames.length / 2)
+        room = np.minimum(self._room, frames.length / 2)
         return np.clip(frames.arc, room, frames.length - room) - frames.arc
 
     @property
@@ -125,8 +124,12 @@ class SpaceFront:
         Towards the corner of a free end factors grow, and a place an element away says nothing of
         it; at a plane of symmetry they have no slope.
         """
-        sizes = np.array([sector.along_size for sector in self.sectors])
-        return np.asarray((self.aside != 0) & (self.frames.to_free_end < ROOM * sizes))
+        return np.asarray((self.aside != 0) & (self.frames.to_free_end < self._room))
+
+    @property
+    def _room(self) -> Array:
+        """(n,) distances along the front to an end that integrals need."""
+        return ROOM * np.array([sector.along_size for sector in self.sectors])
 
 
 class FrontFinder:

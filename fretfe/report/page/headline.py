@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 from fretfe.caution import Kind
-from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Station
+from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
 from fretfe.report.source import shown_stations
@@ -75,8 +75,11 @@ def _worst(run: Result) -> tuple[Contact, Station] | None:
 
 def _severity(station: Station) -> tuple[float, float]:
     """The range, then K_N; below zero what is not known."""
-    numbers = (station.reported_range, station.reported_k_n)
-    return tuple(each if math.isfinite(each) else -1.0 for each in numbers)  # type: ignore[return-value]
+    k_range, k_n = (
+        each if math.isfinite(each) else -1.0
+        for each in (station.reported_range, station.reported_k_n)
+    )
+    return k_range, k_n
 
 
 def _nothing(run: Result) -> str:
@@ -110,9 +113,15 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
 def _counted_from(station: Station) -> str:
     """Place of the edge as the longest slip zone ends, if it is reported elsewhere."""
     zone = station.longest_zone
-    assert zone is not None
+    if zone is None or not is_elsewhere(station, zone):
+        return ""
+    return f" from {number(float(station.position[zone.end]))}"
+
+
+def is_elsewhere(station: Station, zone: SlipZone) -> bool:
+    """True if the edge is not where it is reported as a slip zone ends."""
     then, here = (float(station.position[each]) for each in (zone.end, station.decisive))
-    return f" from {number(then)}" if abs(then - here) > SAME_PLACE * zone.reported_length else ""
+    return abs(then - here) > SAME_PLACE * zone.reported_length
 
 
 def _range_symbol(contact: Contact, station: Station) -> str:

@@ -20,7 +20,7 @@ from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import judge
 from fretfe.evaluate.withheld import Lack
-from fretfe.report.page.headline import SAME_PLACE, headline
+from fretfe.report.page.headline import headline, is_elsewhere
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
@@ -109,14 +109,9 @@ def _or_bound(zone: SlipZone, length: str) -> str:
 
 def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
     """A line with the edge's positions when slip zones end, if the table has it elsewhere."""
-    here = float(edge.position[edge.decisive])
-    places = [float(edge.position[zone.end]) for zone in zones]
-    if not any(
-        abs(then - here) > SAME_PLACE * zone.reported_length
-        for zone, then in zip(zones, places, strict=True)
-    ):
+    if not any(is_elsewhere(edge, zone) for zone in zones):
         return ""
-    return f"\nfrom {' / '.join(number(then) for then in places)}"
+    return f"\nfrom {' / '.join(number(float(edge.position[zone.end])) for zone in zones)}"
 
 
 def contact_table(run: Result) -> Table:
