@@ -168,6 +168,7 @@ class Deck(Level):
         unused: how often there was each keyword that says nothing of the mesh.
         analysis: keywords of contacts and steps, which are among these.
         ties: file and line, and the two surfaces, of parts that are bonded.
+        unnamed: surfaces that have their names here, with the number of their nodes.
     """
 
     instances: dict[str, int] = field(default_factory=dict)
@@ -175,6 +176,7 @@ class Deck(Level):
     unused: Counter[str] = field(default_factory=Counter)
     analysis: list[Card] = field(default_factory=list)
     ties: list[tuple[str, str, str]] = field(default_factory=list)
+    unnamed: dict[str, int] = field(default_factory=dict)
 
     def first(self, instance: str) -> int:
         """The number added to those of an instance."""
@@ -203,12 +205,12 @@ class Deck(Level):
         """Elements of an element set, or that hang together with the surface or node set."""
         if label in self.element_sets:
             return self.element_sets[label]
-        wanted = {self._pieces.get(node) for node in self._nodes_at(label)}
+        wanted = {self.pieces.get(node) for node in self._nodes_at(label)}
         return [number for number, (_, own) in self.elements.items()
-                if wanted and self._pieces[own[0]] in wanted]  # fmt: skip
+                if wanted and self.pieces[own[0]] in wanted]  # fmt: skip
 
     @functools.cached_property
-    def _pieces(self) -> dict[int, int]:
+    def pieces(self) -> dict[int, int]:
         """Nodes of elements, and the number of the piece of the mesh that each is in.
 
         Pieces that are tied are one.

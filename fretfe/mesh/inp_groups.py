@@ -19,6 +19,7 @@ from fretfe.mesh.elements import SOLID_TYPES, TYPES, complete, in_gmsh_order
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.inp import FACES, Constant, Deck, Material, Side, read_deck
 from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
+from fretfe.mesh.inp_unnamed import name_surfaces
 from fretfe.mesh.planes import upright
 
 # Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
@@ -343,6 +344,7 @@ class Groups:
             self._by_nodes |= {frozenset(facet.nodes): facet for facet in facets}
             uses = Counter(facet.corners for facet in facets)
             self._exterior += _outside([each for each in facets if uses[each.corners] == 1])
+        name_surfaces(deck, self._exterior)
 
     def boundary(self, name: str, label: str) -> list[Facet]:
         """The facets of a boundary, at least one."""

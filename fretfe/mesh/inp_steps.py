@@ -2,8 +2,9 @@
 """Contacts, supports and loads of an Abaqus or CalculiX input file, as a case has them.
 
 Static steps one after the other: a load goes linearly from where it stands to its value at the end
-of the step, or as its amplitude says; what a later step does not name stays (OP=MOD) or goes to
-zero (OP=NEW). Amplitudes are factors over the time of the step, or over that of all steps.
+of the step, or as its amplitude says, a jump within the first increment; what a later step does not
+name stays (OP=MOD) or goes to zero (OP=NEW). Amplitudes are factors over the time of the step, or
+over that of all steps.
 (Abaqus Analysis User's Guide, Prescribed conditions; CalculiX has the same rules.)
 """
 
@@ -110,14 +111,15 @@ class _Channel:
         if amplitude is not None:
             zero = 0.0 if amplitude.total else step.begin
             scale = 1.0 if amplitude.absolute else value
+            first = step.begin
             begin = scale * amplitude.at(step.begin - zero)
             if not math.isclose(begin, self.value, rel_tol=SAME, abs_tol=SAME * abs(scale)):
-                raise ValueError(
-                    f"its amplitude jumps from {self.value:g} to {begin:g} at t = {step.begin:g}"
-                )
-            inside = [zero + time for time in amplitude.times
-                      if step.begin < zero + time < step.end]  # fmt: skip
-            points = [(time, scale * amplitude.at(time - zero)) for time in [*inside, step.end]]
+                first = min(step.begin + step.increment, step.end)
+            inside = {zero + time for time in amplitude.times} | {first}
+            times = sorted(
+                time for time in inside if step.begin < time and first <= time < step.end
+            )
+            points = [(time, scale * amplitude.at(time - zero)) for time in [*times, step.end]]
         elif step.jumps:
             points.insert(0, (min(step.begin + step.increment, step.end), value))
         for time, level in points:
@@ -343,7 +345,8 @@ class _Steps:
         if "FOLLOWER" in card.parameters:
             raise ValueError("expected forces that keep their direction")
         boundary, place = self._nodes(row[0]), int(row[1]) - 1
-        count = len(set(self._deck.node_sets[boundary]))
+        unnamed = self._deck.unnamed
+        count = unnamed.get(boundary) or len(set(self._deck.node_sets[boundary]))
         table = {"type": "force", "boundary": boundary, "direction": self._axes[place]}
         yield table, count * real(row[2])
 
@@ -361,20 +364,18 @@ class _Steps:
             raise ValueError(f"expected P or TRVEC, found {kind}")
 
     def _distributed(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
-        """Pressure on sides of elements that are a surface of the deck, gravity, rotation."""
+        """Pressure on a surface of sides of elements, gravity, rotation."""
         label, kind = row[0].strip('"').upper(), row[1].upper()
         if kind in ("GRAV", "CENTRIF"):
             yield self._body_force(label, kind, [real(value) for value in row[2:] if value])
             return
-        if not (kind.startswith("P") and kind[1:].isdecimal()):
-            raise ValueError(f"expected P1, P2, ..., GRAV or CENTRIF, found {kind}")
-        members = self._deck.element_sets.get(label, ())
-        wanted = {(number, int(kind[1:])) for number in members}
-        same = (name for name, sides in self._deck.surfaces.items() if set(sides) == wanted)
-        if not wanted or (name := next(same, None)) is None:
-            raise ValueError("expected the sides of a *SURFACE of the file, found others")
-        self._find(name)
-        yield self._traction(name, "normal"), -real(row[2])
+        if kind != "P":
+            raise ValueError(
+                "expected sides on the outside of a body (P1, P2, ...), GRAV or CENTRIF, found "
+                f"{kind}"
+            )
+        self._find(label)
+        yield self._traction(label, "normal"), -real(row[2])
 
     def _body_force(self, label: str, kind: str, numbers: list[float]) -> tuple[TomlTable, float]:
         members = set(self._deck.element_sets.get(label, ()))
@@ -393,8 +394,10 @@ class _Steps:
         return {"type": "traction", "boundary": label, "direction": along}
 
     def _nodes(self, text: str) -> str:
-        """A node set that is a boundary."""
+        """A set of nodes that is a boundary."""
         label = text.strip('"').upper()
+        if label in self._deck.unnamed:
+            return label
         if label not in self._deck.node_sets:
             raise ValueError("expected a node set: single nodes are neither held nor loaded here")
         if label in self._deck.surfaces:
