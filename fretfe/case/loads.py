@@ -136,8 +136,8 @@ class Load(Table):
     def places(self) -> dict[tuple[str | int, ...], tuple[float, ...]]:
         """Points that it names, by their keys."""
         points = enumerate(getattr(self, "points", None) or ())
-        centre = getattr(self, "centre", None)
-        own = {} if centre is None else {("centre",): centre}
+        named = {(key,): getattr(self, key, None) for key in ("centre", "through")}
+        own = {key: point for key, point in named.items() if point is not None}
         return own | {("points", number): point for number, point in points}
 
     @property
@@ -449,11 +449,11 @@ class TemperatureFieldLoad(OtherRun):
 
 
 class ForceLoad(Load):
-    """A force spread evenly over a boundary, or a part of it."""
+    """A force spread over a boundary, or a part of it."""
 
     type: Literal["force"] = Field(
-        description='"force": total force on a boundary, spread evenly over it or over its part '
-        "around a point. The history is in force units, for the whole thickness."
+        description='"force": total force on a boundary, spread over it or over its part around a '
+        "point. The history is in force units, for the whole thickness."
     )
     boundary: Text = Field(description="Physical group of the boundary.")
     direction: Direction = Field(
@@ -466,6 +466,11 @@ class ForceLoad(Load):
     radius: Positive | None = Field(
         default=None,
         description="Distance from the centre up to which it acts; given with the centre.",
+    )
+    through: Point | None = Field(
+        default=None,
+        description="Point on its line of action, as a reference point of a distributing coupling: "
+        "its traction is then linear over the boundary. Without it even, in the middle.",
     )
 
     undivided = "a force spread over"

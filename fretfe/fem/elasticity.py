@@ -369,22 +369,55 @@ class ElasticBody:
         return traction if given.factors is None else self._factors(given) * traction, measure
 
     def _even(self, given: SurfaceTraction, measure: ufl.Measure) -> tuple[Any, ufl.Measure]:
-        """A traction whose resultant is one, on its part of a boundary.
+        """A traction whose resultant is one, on its part of a boundary, even or linear.
 
-        The area is that by the same points of integration: the force is exact.
+        The moments of the area are those by the same points of integration: force and line of
+        action are exact. Linear: F/A + ω × (x − c), where T ω = (through − c) × F with T = ∫ (r² 1
+        − r r^T) dA about the middle c (Abaqus Theory Guide, Distributing coupling elements).
         """
+        place = ufl.SpatialCoordinate(self.mesh)
         part: Any = fem.Constant(self.mesh, 1.0)
         if given.radius:
-            away = ufl.SpatialCoordinate(self.mesh) - fem.Constant(
-                self.mesh, np.array(given.centre[: self.gdim])
-            )
+            away = place - fem.Constant(self.mesh, np.array(given.centre[: self.gdim]))
             limit = fem.Constant(self.mesh, given.radius**2)
             part = ufl.conditional(ufl.le(ufl.inner(away, away), limit), 1.0, 0.0)
+        if given.radius or given.through:
             measure = measure(metadata={"quadrature_degree": PART_DEGREE})
-        form = compiled(self.comm, fem.form, part * measure(self.groups[given.boundary]))
-        area = self.comm.allreduce(fem.assemble_scalar(form))
-        direction = np.array(given.direction[: self.components]) / area
-        return part * fem.Constant(self.mesh, direction), measure
+        force = np.zeros(3)
+        force[: self.components] = given.direction[: self.components]
+        on = measure(self.groups[given.boundary])
+        if not given.through:
+            area = self._integral(part * on)
+            return part * fem.Constant(self.mesh, force[: self.components] / area), measure
+        area, middle, turning = self._moments_of_area(part, on)
+        through = np.zeros(3)
+        through[: self.gdim] = given.through[: self.gdim]
+        turn = np.linalg.lstsq(turning, np.cross(through - middle, force), rcond=None)[0]
+        across = np.cross(turn, np.eye(3)).T
+        size, gdim = self.components, self.gdim
+        even = fem.Constant(self.mesh, force[:size] / area - (across @ middle)[:size])
+        return part * (even + fem.Constant(self.mesh, across[:size, :gdim].copy()) * place), measure
+
+    def _moments_of_area(self, part: Any, on: ufl.Measure) -> tuple[float, Array, Array]:
+        """Area, (3,) middle and (3, 3) T of a part of the boundary."""
+        gdim = self.gdim
+        factors = fem.Constant(self.mesh, np.zeros((gdim + 1, gdim + 1)))
+        place = ufl.as_vector([*ufl.SpatialCoordinate(self.mesh), 1.0])
+        form = compiled(self.comm, fem.form, part * ufl.inner(place, factors * place) * on)
+        moments = np.zeros((4, 4))
+        own = [*range(gdim), 3]
+        for row, column in np.ndindex(gdim + 1, gdim + 1):
+            factors.value[:] = 0.0
+            factors.value[row, column] = 1.0
+            moments[own[row], own[column]] = self.comm.allreduce(fem.assemble_scalar(form))
+        area, middle = moments[3, 3], moments[:3, 3] / moments[3, 3]
+        second = moments[:3, :3] - area * np.outer(middle, middle)
+        return area, middle, np.trace(second) * np.eye(3) - second
+
+    def _integral(self, integrand: Any) -> float:
+        return float(
+            self.comm.allreduce(fem.assemble_scalar(compiled(self.comm, fem.form, integrand)))
+        )
 
     def initial_stress(self, load: SpreadLoad) -> fem.Function | None:
         """Stress (3, 3) of the initial strain of a unit of a load in the body, None without any.

@@ -98,6 +98,39 @@ def test_a_force_on_a_boundary_or_a_part_of_it(degree: int) -> None:
 
 
 @pytest.mark.mpi
+@pytest.mark.parametrize("part", [False, True])
+def test_a_force_through_a_point(part: bool) -> None:
+    """The moment is that about the point; through the middle it is the even one."""
+    around: dict[str, Any] = {"centre": (1.3, 1.0), "radius": 0.4} if part else {}
+    body = elastic_block(2)
+    load = Force("f", "b_top", (0.6, 0.8), through=(0.3, 2.5), **around)
+    expected = [0.6, 0.8, 0.3 * 0.8 - 2.5 * 0.6]
+    np.testing.assert_allclose(resultant(body, load), expected, atol=1e-12)
+    if not part:
+        even, middle = Force("f", "b_top", (0.6, 0.8)), replace(load, through=(1.0, 1.0))
+        forces = [body.load_vector(each).array for each in (even, middle)]
+        np.testing.assert_allclose(*forces, atol=1e-14)
+
+
+def test_a_force_through_a_point_of_a_solid() -> None:
+    """On both ends of a bent surface, force and moment about the point in space."""
+    plane = Mesh({"b": blocks.block("b", np.linspace(0, 2, 4), np.linspace(0, 1, 3))})
+    mesh = extrude(plane, Solid(length=0.4, layers=2)).bodies["b"]
+    names = [each for each in mesh.boundaries if each in ("b_top", "b_right")]
+    both = np.vstack([mesh.boundaries[name] for name in names])
+    mesh = replace(mesh, boundaries={**mesh.boundaries, "both": both})
+    body = ElasticBody(MPI.COMM_WORLD, mesh, STEEL, 2)
+    replace_meshes(body.mesh)
+    point, force = np.array([0.3, 2.5, -0.7]), np.array([0.48, -0.6, 0.64])
+    for name in ("b_top", "both"):
+        load = Force("f", name, tuple(force), through=tuple(point))
+        nodal = body.load_vector(load).array.reshape(-1, 3)
+        places = body.space.tabulate_dof_coordinates()
+        np.testing.assert_allclose(nodal.sum(axis=0), force, atol=1e-12)
+        np.testing.assert_allclose(np.cross(places - point, nodal).sum(axis=0), 0, atol=1e-12)
+
+
+@pytest.mark.mpi
 def test_acceleration_acts_on_the_mass() -> None:
     load = Acceleration("g", (0.6, -0.8))
     force = STEEL.density * 2.0 * np.array([0.6, -0.8])

@@ -13,7 +13,7 @@ from fretfe._typing import Array
 from fretfe.bodies.loads.cut import Cut
 from fretfe.bodies.loads.files import values_at_points
 from fretfe.bodies.point_values import NodalValues, PointValues, require_points_around
-from fretfe.case import Case, unit_vector
+from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.loads import (
     AccelerationLoad,
     ForceLoad,
@@ -42,6 +42,8 @@ class SurfaceTraction:
         even: whether it is divided by the area that it acts on, so that its resultant is one.
         centre: of the part of the boundary that it acts on.
         radius: of that part; 0 for all of the boundary.
+        through: a point on the line of action of an even one, which becomes linear in the place;
+            empty for the middle.
     """
 
     boundary: str
@@ -50,6 +52,7 @@ class SurfaceTraction:
     even: bool = False
     centre: tuple[float, ...] = ()
     radius: float = 0.0
+    through: tuple[float, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -157,12 +160,13 @@ class Traction(SpreadLoad):
 
 @dataclass(frozen=True)
 class Force(SpreadLoad):
-    """A force spread evenly over a boundary, or over its part within a radius of a centre."""
+    """A force spread over a boundary, or over its part within a radius of a centre."""
 
     boundary: str
     direction: tuple[float, ...]
     centre: tuple[float, ...] = ()
     radius: float = 0.0
+    through: tuple[float, ...] = ()
 
     total = True
 
@@ -170,14 +174,17 @@ class Force(SpreadLoad):
     def of(cls, case: Case, name: str, load: ForceLoad, mesh: Mesh) -> tuple[Self]:
         """That of a load of a case."""
         direction = unit_vector(load.direction, case.components(mesh.dimension))
-        return (cls(name, load.boundary, direction, load.centre or (), load.radius or 0.0),)
+        if load.through is not None and len(direction) > mesh.dimension and direction[2]:
+            text = "expected a force in the plane with 'through', found one along z"
+            raise CaseError(complaint(case.source, ("loads", name, "through"), text))
+        part = load.centre or (), load.radius or 0.0
+        return (cls(name, load.boundary, direction, *part, load.through or ()),)
 
     @property
     def traction(self) -> SurfaceTraction:
         """Traction whose resultant is one."""
-        return SurfaceTraction(
-            self.boundary, self.direction, even=True, centre=self.centre, radius=self.radius
-        )
+        return SurfaceTraction(self.boundary, self.direction, even=True, centre=self.centre,
+                               radius=self.radius, through=self.through)  # fmt: skip
 
     def require_mesh(self, case: Case, mesh: Mesh) -> None:
         """Check that it acts on some elements, not only within one of them."""
