@@ -24,7 +24,7 @@ from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.files import MOST_MEMBERS, MOST_PLACED
 from fretfe.mesh.inp_cards import Card, cards
-from fretfe.mesh.inp_language import ANALYSIS, JOINED, REFUSED
+from fretfe.mesh.inp_language import ANALYSIS, JOINED, REFERENCES, REFUSED
 
 # Say nothing of the model.
 TITLES = ("HEADING",)
@@ -168,6 +168,7 @@ class Deck(Level):
         unused: how often there was each keyword that says nothing of the mesh.
         analysis: keywords of contacts and steps, which are among these.
         ties: file and line, and the two surfaces, of parts that are bonded.
+        couplings: keywords with reference nodes.
         unnamed: surfaces that have their names here, with the number of their nodes.
     """
 
@@ -176,6 +177,7 @@ class Deck(Level):
     unused: Counter[str] = field(default_factory=Counter)
     analysis: list[Card] = field(default_factory=list)
     ties: list[tuple[str, str, str]] = field(default_factory=list)
+    couplings: list[Card] = field(default_factory=list)
     unnamed: dict[str, int] = field(default_factory=dict)
 
     def first(self, instance: str) -> int:
@@ -296,9 +298,6 @@ def _refuse_keyword(card: Card) -> None:
     """Raise for a keyword without which the model would be another one."""
     overclosure = card.parameters.get("PRESSURE-OVERCLOSURE", "").upper()
     tied = "TIED" in card.parameters or overclosure in ("TI", "TIE", "TIED")
-    analytical = card.word == "RIGIDBODY" and "ANALYTICALSURFACE" in card.parameters
-    if analytical and card.parameters.keys() <= ANALYTICAL:
-        return
     # which contacts there are, the case says
     of_contact = card.word == "MODELCHANGE" and card.choice("TYPE", "ELEMENT", CONTACT) == CONTACT
     turned = card.word == "TIE" and "CYCLICSYMMETRY" in card.parameters
@@ -337,6 +336,11 @@ class _Reader:
             card.require_text()
             pairs = [[value.strip('"').upper() for value in row[:2]] for row in card.rows]
             self.deck.ties += [(card.place, one, other) for one, other in pairs]
+            return
+        analytical = "ANALYTICALSURFACE" in card.parameters
+        if card.word in REFERENCES and not (analytical and card.parameters.keys() <= ANALYTICAL):
+            card.require_text()
+            self.deck.couplings.append(card)
             return
         read, block = _READERS.get(card.word), self._blocks.get(card.word)
         of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None

@@ -18,6 +18,7 @@ from fretfe.errors import MeshError
 from fretfe.mesh.elements import SOLID_TYPES, TYPES, complete, in_gmsh_order
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.inp import FACES, Constant, Deck, Material, Side, read_deck
+from fretfe.mesh.inp_references import require_led
 from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
 from fretfe.mesh.inp_unnamed import name_surfaces
 from fretfe.mesh.planes import upright
@@ -31,8 +32,9 @@ UNSUPPORTED = {
     "axisymmetric elements": re.compile(r"C?G?AX|SAX|MAX|SFMAX"),
     "volume elements": re.compile(r"C3D(?!(?:4|5|6|8|10|15|20)(?!\d))|SC\d|CSS\d"),
 }
-# Points with a mass and surfaces without stiffness: a model without them has the same statics.
-HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM)\w*\Z")
+# Points with a mass or of a coupling, surfaces without stiffness: without them a model has the same
+# statics.
+HARMLESS = re.compile(r"(?:MASS|ROTARYI|HEATCAP|SFM|DCOUP)\w*\Z")
 # Elements of bodies, and those that may stand for their facets, by dimension.
 BODY_ELEMENTS = {2: PLANE, 3: SOLID}
 FACET_ELEMENTS = {2: LINE, 3: PLANE}
@@ -46,6 +48,7 @@ def read_inp(
     boundaries: Iterable[str],
     selectors: tuple[Mapping[str, Selector], Mapping[str, Selector]],
     ties: Iterable[tuple[str, str]] = (),
+    led: Iterable[str] = (),
 ) -> RawMesh:
     """The bodies and boundaries of a case, by the names of sets and surfaces in the file.
 
@@ -56,12 +59,14 @@ def read_inp(
         boundaries: names of the boundaries in the case.
         selectors: names in the file of bodies and of boundaries whose name is another one there.
         ties: names of the boundaries that the case ties.
+        led: names of the boundaries that the case holds, or moves as one rigid piece.
 
     Raises:
         MeshError: the file cannot be read, or lacks a set.
     """
     deck = read_deck(path)
     _require_ties(deck, {frozenset(_label(each, selectors[1]) for each in tie) for tie in ties})
+    require_led(deck, {_label(name, selectors[1]) for name in led})
     numbers = sorted(deck.nodes)
     place = {number: index for index, number in enumerate(numbers)}
     points = np.array([deck.nodes[number] for number in numbers])

@@ -72,13 +72,23 @@ OPEN_PARAMETERS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("CLOAD", "DLOAD", "DSLOAD"), ("AMPLITUDE", "FOLLOWER", "OP", "USER")),
     "RIGIDBODY": (
         *("ANALYTICALSURFACE", "DENSITY", "ELSET", "ISOTHERMAL", "NSET", "OFFSET", "PINNSET"),
-        *("POSITION", "REFNODE", "THICKNESS", "TIENSET"),
+        *("POSITION", "REFNODE", "ROTNODE", "THICKNESS", "TIENSET"),
     ),
+    "COUPLING": ("ALPHA", "CONSTRAINTNAME", "INFLUENCERADIUS", "ORIENTATION", "REFNODE", "SURFACE"),
+    "KINEMATIC": (),
+    "DISTRIBUTING": ("COUPLING", "WEIGHTINGMETHOD"),
+    "KINEMATICCOUPLING": ("ORIENTATION", "REFNODE"),
+    "DISTRIBUTINGCOUPLING": ("ELSET", "ORIENTATION"),
 }
 # Keywords of contacts and steps: they say nothing of the mesh, but what a case could be.
 ANALYSIS = (
     *("SURFACEINTERACTION", "FRICTION", "CONTACTPAIR", "AMPLITUDE", "STEP", "STATIC", "VISCO"),
     *("ENDSTEP", "BOUNDARY", "CLOAD", "DLOAD", "DSLOAD"),
+)
+# Keywords by which a node moves a surface, or spreads forces over it.
+REFERENCES = (
+    *("RIGIDBODY", "COUPLING", "KINEMATIC", "DISTRIBUTING", "KINEMATICCOUPLING"),
+    "DISTRIBUTINGCOUPLING",
 )
 # Keywords that change nodes, elements or what numbers mean, or that join parts: without them the
 # model would be another one. And what to do instead.
@@ -86,11 +96,6 @@ _WRITTEN_OUT = "write out all nodes and elements"
 JOINED = (
     "it joins nodes or parts, which would come apart here: mesh them as one part with common "
     "nodes, or make them bodies of their own in contact"
-)
-_LED = (
-    "it moves a surface with a reference node: delete it, and give that surface a load of type "
-    "platen, or a support, in the case. If the node belongs to another body, it joins them: mesh "
-    "these as one part with common nodes"
 )
 REFUSED = {
     **dict.fromkeys(
@@ -102,20 +107,13 @@ REFUSED = {
     ),
     **dict.fromkeys(
         (
-            *("MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT", "RIGIDBODY"),
+            *("MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT"),
             *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER", "PRE-TENSIONSECTION"),
             *("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
             *("BONDEDREGION", "COHESIVEBEHAVIOR", "RELEASE", "JOINT", "CONNECTORSECTION"),
             *("RIGIDSURFACE", "IMPLICITRIGIDBODY", "SPRING", "DASHPOT", "DISPLAYBODY"),
         ),
         JOINED,
-    ),
-    **dict.fromkeys(
-        (
-            *("COUPLING", "KINEMATIC", "DISTRIBUTING", "KINEMATICCOUPLING"),
-            "DISTRIBUTINGCOUPLING",
-        ),
-        _LED,
     ),
 }
 # A keyword that is not used and with which others begin: written out, it is no abbreviation.

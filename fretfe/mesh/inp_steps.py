@@ -23,11 +23,16 @@ from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck, real
 from fretfe.mesh.inp_cards import Card
 from fretfe.mesh.inp_groups import SAME
+from fretfe.mesh.inp_references import Reference, references
 
 AXES = ("x", "y", "z")
+# Displacements, 1 to 3, and rotations, 4 to 6.
 HELD = {
-    "ENCASTRE": AXES, "PINNED": AXES, "XSYMM": ("x",), "YSYMM": ("y",), "ZSYMM": ("z",),
+    "ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6),
+    "ZSYMM": (3, 4, 5),
 }  # fmt: skip
+# What the histories of a platen and its tilts are.
+MOTIONS, FORCES = ("displacement", "rotation"), ("force", "moment")
 # Load steps for a step of the deck that leaves its increments to the program.
 INCREMENTS = 10
 # Keywords that begin what a step does, other than statics.
@@ -171,6 +176,9 @@ class _Steps:
         self._amplitudes: dict[str, _Amplitude] = {}
         self._channels: dict[tuple[str, ...], _Channel] = {}
         self._end, self._count = 0.0, 0
+        self._references = references(deck)
+        self._led = {each.turning: (each, 3) for each in self._references}
+        self._led |= {each.node: (each, 0) for each in self._references}
         for card in deck.analysis:
             if card.word == "AMPLITUDE":
                 self._try(card, self._amplitude)
@@ -230,24 +238,64 @@ class _Steps:
         found = self._found
         for channel in self._channels.values():
             table, still = channel.table, not any(value for _, value, _ in channel.points)
-            name = _name(str(table.get("boundary", table["type"])))
+            along = table.get("direction", table.get("axis"))
             if channel.word == "BOUNDARY" and channel.since > 0.0:
                 found.lacks.append(
-                    f"{channel.place}: {table['boundary']} is held or moved along "
-                    f"{table['direction']} from t = {channel.since:g} on only"
+                    f"{channel.place}: {table['boundary']} is held or moved along {along} from "
+                    f"t = {channel.since:g} on only"
                 )
             elif channel.word == "BOUNDARY" and still:
-                support = found.supports.setdefault(
-                    name, {"boundary": table["boundary"], "fix": []}
-                )
-                support["fix"].append(table["direction"])
+                # a platen is held without a load
+                if table["type"] == "displacement":
+                    self._hold(table["boundary"], table["direction"])
             elif not still:
-                along = table.get("direction")
-                name = f"{name}_{along}" if isinstance(along, str) else name
-                while name in found.loads:
-                    name += "_"
-                found.loads[name] = {**table, "history": channel.history()}
+                self._add(table, channel.history())
+        for each in self._references:
+            if each.rigid:
+                self._finish_platen(each)
         return found
+
+    def _hold(self, boundary: str, axis: str) -> None:
+        support = self._found.supports.setdefault(
+            _name(boundary), {"boundary": boundary, "fix": []}
+        )
+        support["fix"].append(axis)
+
+    def _add(self, table: TomlTable, history: list[TomlTable]) -> None:
+        """Take over a load."""
+        name = _name(str(table.get("boundary", table["type"])))
+        along = table.get("direction", table.get("axis") if table["type"] == "tilt" else None)
+        name += "_about" if table["type"] == "tilt" else ""
+        name = f"{name}_{along}" if isinstance(along, str) else name
+        while name in self._found.loads:
+            name += "_"
+        self._found.loads[name] = {**table, "history": history}
+
+    def _finish_platen(self, led: Reference) -> None:
+        """Free what nothing holds or loads of a rigid surface; a support where nothing is free."""
+        if not led.axes.issuperset(range(1, len(self._axes) + 1)):
+            self._lack(led.card, f"{led.label} is tied along some axes only: no platen is proposed")
+            return
+        try:
+            tables = [table for place in range(1, 7) for table in self._platen(led, place, FORCES)]
+        except MeshError as error:
+            self._lack(led.card, str(error))
+            return
+        held = {
+            (channel.table["type"], channel.table.get("direction", channel.table.get("axis")))
+            for channel in self._channels.values()
+            if channel.word == "BOUNDARY" and channel.table.get("boundary") == led.label
+        }
+        loaded = {
+            (load["type"], load.get("direction", load.get("axis")))
+            for load in self._found.loads.values() if load.get("boundary") == led.label
+        }  # fmt: skip
+        for table in tables:
+            if (table["type"], table.get("direction", table.get("axis"))) not in held | loaded:
+                self._add(table, [{"hold": True, "until": self._end or 1.0, "steps": 1}])
+        if all(load.get("boundary") != led.label for load in self._found.loads.values()):
+            for axis in self._axes:
+                self._hold(led.label, axis)
 
     def _try(self, card: Card, read: Callable[[Card], object]) -> None:
         """Read a card, or say why it is not understood."""
@@ -328,27 +376,63 @@ class _Steps:
         """Held and prescribed displacements; those that no body has are left out."""
         if "FIXED" in card.parameters or card.choice("TYPE", "DISPLACEMENT") != "DISPLACEMENT":
             raise ValueError("expected displacements")
-        boundary = self._nodes(row[0])
         word = row[1].upper()
         if word in HELD:
-            axes: Sequence[str] = [axis for axis in HELD[word] if axis in self._axes]
+            places: Sequence[int] = HELD[word]
         else:
             first = int(word)
-            last = int(row[2]) if len(row) > 2 and row[2] else first
-            axes = self._axes[first - 1 : last]
+            places = range(first, (int(row[2]) if len(row) > 2 and row[2] else first) + 1)
         value = real(row[3]) if len(row) > 3 and row[3] else 0.0
-        for axis in axes:
+        if led := self._led_by(row[0]):
+            for each, place in ((each, place + more) for each, more in led for place in places):
+                if not each.rigid:
+                    raise ValueError(f"expected forces at the reference node of {each.label} alone")
+                yield from ((table, value) for table in self._platen(each, place, MOTIONS))
+            return
+        boundary = self._nodes(row[0])
+        for axis in (AXES[place - 1] for place in places if place <= len(self._axes)):
             yield {"type": "displacement", "boundary": boundary, "direction": axis}, value
 
     def _force(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
         """Equal forces on the nodes of a boundary, as one force that is spread over it."""
         if "FOLLOWER" in card.parameters:
             raise ValueError("expected forces that keep their direction")
+        if led := self._led_by(row[0]):
+            for each, more in led:
+                for table in self._platen(each, int(row[1]) + more, FORCES):
+                    yield table, real(row[2])
+            return
         boundary, place = self._nodes(row[0]), int(row[1]) - 1
         unnamed = self._deck.unnamed
         count = unnamed.get(boundary) or len(set(self._deck.node_sets[boundary]))
         table = {"type": "force", "boundary": boundary, "direction": self._axes[place]}
         yield table, count * real(row[2])
+
+    def _led_by(self, text: str) -> list[tuple[Reference, int]]:
+        """References of a node or set, if these are theirs, and what leads to their rotations."""
+        try:
+            members = self._deck.node_sets.get(text.strip('"').upper()) or [self._deck.number(text)]
+        except ValueError:
+            return []
+        return [self._led[node] for node in dict.fromkeys(members) if node in self._led]
+
+    def _platen(self, led: Reference, place: int, controls: tuple[str, str]) -> Iterator[TomlTable]:
+        """What moves a surface with a reference node along or about an axis, if it can."""
+        self._find(led.label)
+        size, own = len(self._axes), {"boundary": led.label}
+        centre = [float(value) for value in led.place[:size]]
+        if led.rigid and not led.axes.issuperset(range(1, size + 1)):
+            raise ValueError(f"{led.label} is tied along some axes only, which no platen is")
+        if place <= size and led.rigid:
+            yield {"type": "platen", **own, "direction": AXES[place - 1], "control": controls[0]}
+        elif place <= size:
+            yield {"type": "force", **own, "direction": AXES[place - 1], "through": centre}
+        elif not led.rigid:
+            raise ValueError(f"expected a force at the reference node of {led.label}, found a "
+                             "moment")  # fmt: skip
+        elif place == 6 or (place > 3 and size == 3):
+            yield {"type": "tilt", **own, "axis": AXES[place - 4], "centre": centre,
+                   "control": controls[1]}  # fmt: skip
 
     def _pressure(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
         """A pressure on a surface, or a traction along a vector."""

@@ -300,7 +300,9 @@ def _read_inp(case: Case, path: Path) -> RawMesh:
     named = [name for _, name in named_boundaries(case) if name not in made]
     boundaries = dict.fromkeys([*named, *geometry.boundaries])
     ties = [(tie.boundary1, tie.boundary2) for tie in case.ties.values()]
-    return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries), ties)
+    led = [support.boundary for support in case.supports.values()]
+    led += [load.on for load in case.loads.values() if load.rigid or load.moves]
+    return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries), ties, led)
 
 
 def _require_names(case: Case, kind: FileKind) -> None:

@@ -82,7 +82,6 @@ def test_what_is_not_used_is_listed_once(tmp_path: Path) -> None:
         "*EQUATION\n2\n3, 1, 1., 5, 1, -1.\n",
         "*EMBEDDED ELEMENT, HOST ELSET=LOWER\nUPPER\n",
         "*embeddedelement\nUPPER\n",
-        "*RIGID BODY, ELSET=UPPER, REF NODE=8\n",
         "*EQUA\n2\n3, 1, 1., 5, 1, -1.\n",
         "*TI, NAME=T, CYCL\nA, B\n",
         "*Contact  Pair, INTER=I, TI\nA, B\n",
@@ -101,19 +100,41 @@ def test_what_joins_parts_is_refused(tmp_path: Path, lines: str) -> None:
     assert "is not supported; it joins nodes or parts, which would come apart here" in message
 
 
+REFERENCE = "*NODE, NSET=RP\n99, 0., 5.\n"
+
+
 @pytest.mark.parametrize(
-    "lines",
+    ("lines", "reason"),
     [
-        "*COUPLING, REF NODE=8, SURFACE=S, CONSTRAINT NAME=C\n*KINEMATIC\n",
-        "*COUPL, REF=8, SURF=S\n",
-        "*DISTRIBUTING COUPLING, ELSET=E\n8, 1.\n",
+        ("*COUPLING, REF NODE=99, SURFACE=TOP\n*KINEMATIC\n",
+         "moves TOP as one rigid piece, which the case does not: expected a load of type platen "
+         'with boundary = "TOP", or a support'),
+        ("*COUPL, REF=RP, SURF=TOP\n", "expected *KINEMATIC or *DISTRIBUTING after *COUPL"),
+        ("*RIGID BODY, NSET=TOP, REF NODE=99\n", "moves TOP as one rigid piece"),
+        ("*RIGID BODY, ELSET=UPPER, REF NODE=99\n", "a rigid part of a body is not supported"),
+        ("*RIGID BODY, NSET=TOP, REF NODE=8\n",
+         "the reference node 8 is a node of a body, which would come apart from TOP here"),
+        ("*KINEMATIC COUPLING, REF NODE=99\nTOP, 1, 2\nLOW, 1, 2\n", "expected one set or surface"),
+        ("*DISTRIBUTING COUPLING, ELSET=UPPER\nTOP, 1.\n", "is a node of a body"),
+        ("*RIGID BODY, NSET=TOP, REF NODE=99\n*RIGID BODY, NSET=LOW, REF NODE=99\n",
+         "moves several surfaces together"),
+        ("*RIGID BODY, NSET=TOP, REF NODE=98\n", "expected one node that is defined, found 98"),
+        ("*COUPLING, REF NODE=99, SURFACE=TOP, ORIENTATION=O\n*KINEMATIC\n", "ORIENTATION is not"),
     ],
-)
-def test_reference_nodes_become_platens(tmp_path: Path, lines: str) -> None:
-    """Nothing is joined by the node of a load: the case has a type of load for it."""
-    message = refused(tmp_path, DECK + lines)
-    assert "is not supported; it moves a surface with a reference node: delete it" in message
-    assert "a load of type platen" in message and "come apart" not in message
+)  # fmt: skip
+def test_reference_nodes_that_the_case_does_not_follow(
+    tmp_path: Path, lines: str, reason: str
+) -> None:
+    assert reason in refused(tmp_path, DECK + REFERENCE + lines)
+
+
+def test_reference_nodes_that_a_case_follows(tmp_path: Path) -> None:
+    """A platen or a support of the same name; forces alone need none, nor does a roll."""
+    path = tmp_path / "pad.inp"
+    path.write_text(DECK + REFERENCE + "*RIGID BODY, NSET=TOP, REF NODE=RP\n")
+    read_inp(path, BODIES, ["top"], ({}, {}), led=["top"])
+    spread = "*ELEMENT, TYPE=DCOUP2D, ELSET=E\n90, 99\n*DISTRIBUTING COUPLING, ELSET=E\nTOP, 1.\n"
+    assert "1 DCOUP2D" in read(tmp_path, DECK + REFERENCE + spread).notes[0]
 
 
 @pytest.mark.parametrize("kind", ["SPRINGA", "CONN2D2", "COH2D4", "GAPUNI", "CINPE4", "DASHPOTA"])

@@ -249,3 +249,57 @@ def test_pieces_of_one_element_set(tmp_path: Path) -> None:
     # by a set of nodes
     deck = read_deck(path)
     assert deck.elements_of("FOOT") == [1, 2, 3] and deck.elements_of("NONE") == []
+
+
+RIGID = "*NODE, NSET=RP\n99, 1.5, 2.5\n"
+COUPLED = "*COUPLING, REF NODE=RP, SURFACE=HEAD, CONSTRAINT NAME=C\n"
+CAPS = ("*RIGID BODY, NSET=CREST, REF NODE=99\n", COUPLED + "*KINEMATIC\n1, 2\n",
+        "*KINEMATIC COUPLING, REF NODE=99\nCREST, 1, 2\n")  # fmt: skip
+
+
+@pytest.mark.parametrize("cap", CAPS)
+def test_reference_nodes_become_platens(tmp_path: Path, cap: str) -> None:
+    """Free along x, pushed along y, turned by a moment; and held about z in a second deck."""
+    label = "HEAD" if "HEAD" in cap else "CREST"
+    head = label.lower()
+    own = {"boundary": label}
+    turned = cap + step("*CLOAD", "RP, 2, -30.", "RP, 6, 4.")
+    tables, lacks = proposed(tmp_path, PAIR + HELD + RIGID + turned)
+    ramp = {"until": 1.0, "steps": 4}
+    assert lacks == []
+    assert tables["loads"] == {
+        f"{head}_y": {"type": "platen", **own, "direction": "y", "control": "force",
+                      "history": [{"ramp": -30.0, **ramp}]},
+        f"{head}_about_z": {"type": "tilt", **own, "axis": "z", "centre": [1.5, 2.5],
+                            "control": "moment", "history": [{"ramp": 4.0, **ramp}]},
+        f"{head}_x": {"type": "platen", **own, "direction": "x", "control": "force",
+                      "history": [{"hold": True, "until": 1.0, "steps": 1}]},
+    }  # fmt: skip
+    load_mesh(parse_case(tables, tmp_path / "pad.toml"))
+    guided = cap + "*BOUNDARY\nRP, XSYMM\n" + step("*BOUNDARY", "RP, 2, 2, -.01")
+    tables, lacks = proposed(tmp_path, PAIR + HELD + RIGID + guided)
+    assert lacks == [] and tables["loads"].keys() == {f"{head}_y"}
+    assert tables["loads"][f"{head}_y"]["control"] == "displacement"
+    tables, lacks = proposed(tmp_path, PAIR + RIGID + cap + "*BOUNDARY\nRP, ENCASTRE\n")
+    assert tables["supports"] == {head: {"boundary": label, "fix": ["x", "y"]}}
+
+
+def test_a_reference_node_that_spreads_a_force(tmp_path: Path) -> None:
+    spread = RIGID + COUPLED + "*DISTRIBUTING\n"
+    push = step("*CLOAD", "RP, 1, 5.", "RP, 6, 4.") + "*BOUNDARY\nRP, 2\n"
+    tables, lacks = proposed(tmp_path, PAIR + HELD + spread + push)
+    assert tables["loads"]["head_x"] == {
+        "type": "force", "boundary": "HEAD", "direction": "x", "through": [1.5, 2.5],
+        "history": [{"ramp": 5.0, "until": 1.0, "steps": 4}],
+    }  # fmt: skip
+    assert ["forces at the reference" in lacks[0], "found a moment" in lacks[1]] == [True, True]
+    load_mesh(parse_case(tables, tmp_path / "pad.toml"))
+
+
+def test_faces_that_are_tied_along_one_axis_are_no_platens(tmp_path: Path) -> None:
+    cap = RIGID + COUPLED + "*KINEMATIC\n2, 2\n"
+    tables, lacks = proposed(tmp_path, PAIR + HELD + cap + step("*CLOAD", "RP, 2, -30."))
+    assert "loads" not in tables
+    assert [lack.rpartition(": ")[2] for lack in lacks] == [
+        "HEAD is tied along some axes only, which no platen is", "no platen is proposed"
+    ]  # fmt: skip
