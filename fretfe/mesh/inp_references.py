@@ -143,7 +143,7 @@ def _reference(deck: Deck, card: Card, kind: Card) -> Reference:
 
 def _axes(rows: Sequence[Sequence[str]]) -> frozenset[int]:
     """Displacements from the first to the last in each row; all without one."""
-    found = set()
+    found: set[int] = set()
     for row in rows:
         first, last = ([*row, "", ""])[:2]
         if first:
