@@ -97,7 +97,12 @@ JOINED = (
     "it joins nodes or parts, which would come apart here: mesh them as one part with common "
     "nodes, or make them bodies of their own in contact"
 )
+_SHORTENED = (
+    "pretension is no load of its own: make the bolt a body, and shorten it by a load of type "
+    "temperature on that body until it carries its force"
+)
 REFUSED = {
+    "PRE-TENSIONSECTION": _SHORTENED,
     **dict.fromkeys(
         (
             *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPERFECTION"),
@@ -108,7 +113,7 @@ REFUSED = {
     **dict.fromkeys(
         (
             *("MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT"),
-            *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER", "PRE-TENSIONSECTION"),
+            *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER"),
             *("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
             *("BONDEDREGION", "COHESIVEBEHAVIOR", "RELEASE", "JOINT", "CONNECTORSECTION"),
             *("RIGIDSURFACE", "IMPLICITRIGIDBODY", "SPRING", "DASHPOT", "DISPLAYBODY"),

@@ -88,7 +88,6 @@ def test_what_is_not_used_is_listed_once(tmp_path: Path) -> None:
         "*Shell to Solid Coupling\nA, B\n",
         "*CONTACT PAIR, INTERACTION=I, TIED\nA, B\n",
         "*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=TIED\n",
-        "*PRE-TENSION SECTION, SURFACE=S, NODE=8\n",
     ],
 )
 def test_what_joins_parts_is_refused(tmp_path: Path, lines: str) -> None:
@@ -98,6 +97,11 @@ def test_what_joins_parts_is_refused(tmp_path: Path, lines: str) -> None:
     assert f"pad.inp, line {line}: {' '.join(keyword.split())}" in message
     message = message.replace(" with CYCLIC SYMMETRY", "")
     assert "is not supported; it joins nodes or parts, which would come apart here" in message
+
+
+def test_pretension_is_refused(tmp_path: Path) -> None:
+    message = refused(tmp_path, DECK + "*PRE-TENSION SECTION, SURFACE=S, NODE=8\n")
+    assert "shorten it by a load of type temperature" in message
 
 
 REFERENCE = "*NODE, NSET=RP\n99, 0., 5.\n"
