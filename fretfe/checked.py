@@ -6,10 +6,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from fretfe._typing import Array
-from fretfe.bodies.continued import continued_nodes
+from fretfe.bodies.continued import half_middles
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
@@ -74,14 +72,7 @@ class Checked:
     @property
     def middles(self) -> dict[str, Array]:
         """(2,) places where plane contacts end in a plane of symmetry at one end, by contact."""
-        found = {}
-        for pair in self.pairs if self.mesh.dimension == 2 else ():
-            normals = continued_nodes(self.case, self.definition, self.mesh, pair)
-            if normals is not None:
-                (ends,) = np.nonzero(normals.any(axis=1) & np.isfinite(normals).all(axis=1))
-                if len(ends) == 1:
-                    found[pair.name] = pair.coupling.surface.points[ends[0]]
-        return found
+        return half_middles(self.case, self.definition, self.mesh, self.pairs)
 
     @property
     def cost(self) -> Cost:

@@ -7,7 +7,7 @@ sector does: a front that ends there has no free end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -87,6 +87,36 @@ def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) 
     for one, other in product(*own):
         found[rows[one.continues(other, *nodes)]] = one.normal
     return None if surface.free is None and np.isnan(found).all() else found
+
+
+def half_end(continued: Array | None) -> int | None:
+    """The only end, 0 or -1, at which a plane contact goes on behind a plane of symmetry.
+
+    Args:
+        continued: (N, 2) as of `continued_nodes`.
+    """
+    if continued is None:
+        return None
+    ends = [end for end in (0, -1) if np.isfinite(continued[end]).all() and continued[end].any()]
+    return ends[0] if len(ends) == 1 else None
+
+
+def from_symmetry(arc: Array, continued: Array | None) -> Array:
+    """(N,) arc of a plane contact, from the plane of symmetry of a half model; (0,) of solids."""
+    end = half_end(continued) if len(arc) else None
+    return arc if end is None else arc - arc[end]
+
+
+def half_middles(
+    case: Case, model: ModelDefinition, mesh: Mesh, pairs: Sequence[Pair]
+) -> dict[str, Array]:
+    """(2,) places where plane contacts end in a plane of symmetry at one end, by contact."""
+    found = {}
+    for pair in pairs if mesh.dimension == 2 else ():
+        end = half_end(continued_nodes(case, model, mesh, pair))
+        if end is not None:
+            found[pair.name] = pair.coupling.surface.points[end]
+    return found
 
 
 def _sides(

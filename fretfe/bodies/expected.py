@@ -57,7 +57,9 @@ def coarse_contacts(
             yield from _warning(case, name, initial, normal, force, (middles or {}).get(name))
 
 
-def pressure_doubts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
+def pressure_doubts(
+    case: Case, mesh: Mesh, history: History, middles: Mapping[str, Array] | None = None
+) -> Iterator[str]:
     """Plane contacts whose mean pressure no material bears: a unit is likely to be wrong.
 
     Arguments as of `coarse_contacts`.
@@ -68,8 +70,8 @@ def pressure_doubts(case: Case, mesh: Mesh, history: History) -> Iterator[str]:
         if not force > 0:
             continue
         load = _load(case, initial, normal, force)
-        along = initial.points @ np.array([normal[1], -normal[0]])
-        width, _ = half_width(along, initial.gap, load)
+        along, gap, load = _of_the_whole(initial, normal, load, (middles or {}).get(name))
+        width, _ = half_width(along, gap, load)
         mean = load / min(2 * width, float(np.ptp(along)))
         if mean > DOUBTED[1]:
             bodies = (initial.surface1.body, initial.surface2.body)
@@ -208,18 +210,27 @@ def _carrier(contact: ContactTable, initial: InitialGap) -> Surface:
 def _across_strip(
     initial: InitialGap, carrier: Surface, normal: Array, load: float, middle: Array | None
 ) -> tuple[float, int]:
-    """Half-width of a plane contact under P/E*, and the number of nodes in it.
-
-    Of a half of it the image carries as much, and has nodes as well.
-    """
+    """Half-width of a plane contact under P/E*, and the number of nodes in it."""
     tangent = np.array([normal[1], -normal[0]])
-    along, gap, nodes = initial.points @ tangent, initial.gap, carrier.vertices @ tangent
+    nodes = carrier.vertices @ tangent
+    along, gap, load = _of_the_whole(initial, normal, load, middle)
     if middle is not None:
-        twice, load = 2 * float(middle @ tangent), 2 * load
-        along, gap = np.append(along, twice - along), np.append(gap, gap)
+        twice = 2 * float(middle @ tangent)
         nodes = np.append(nodes, np.delete(twice - nodes, np.abs(nodes - twice / 2).argmin()))
     width, centre = half_width(along, gap, load)
     return width, int(np.sum(np.abs(nodes - centre) < width))
+
+
+def _of_the_whole(
+    initial: InitialGap, normal: Array, load: float, middle: Array | None
+) -> tuple[Array, Array, float]:
+    """Places along a plane contact, gaps there, and P/E*: of a half the image carries as much."""
+    tangent = np.array([normal[1], -normal[0]])
+    along, gap = initial.points @ tangent, initial.gap
+    if middle is None:
+        return along, gap, load
+    twice = 2 * float(middle @ tangent)
+    return np.append(along, twice - along), np.append(gap, gap), 2 * load
 
 
 def _across_ellipse(

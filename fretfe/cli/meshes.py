@@ -83,7 +83,7 @@ def _print(checked: Checked) -> None:
     # Of bodies in another unit, which a note tells, nothing can be expected.
     warnings: Iterable[str] = ()
     if not any(stiffness_doubts(case)):
-        warnings = tuple(pressure_doubts(case, checked.mesh, history))
+        warnings = tuple(pressure_doubts(case, checked.mesh, history, checked.middles))
         if not warnings and case.edges.tolerance is None:
             warnings = coarse_contacts(case, checked.mesh, history, checked.middles)
     for warning in warnings:

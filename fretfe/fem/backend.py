@@ -11,7 +11,10 @@ from typing import Any, TypeVar
 import numpy as np
 import scipy.linalg
 
+from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS, Backend, Processes, RunOptions, Session
+from fretfe.bodies.continued import half_middles
+from fretfe.bodies.definition import contact_surfaces, couple_contacts, define_model
 from fretfe.bodies.expected import coarse_contacts, pressure_doubts
 from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
@@ -189,10 +192,23 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
     history = options.history or build_history(case)
     # Of bodies in another unit nothing can be expected.
-    doubts = tuple(stiffness_doubts(case)) or tuple(pressure_doubts(case, mesh, history))
-    for warning in doubts or coarse_contacts(case, mesh, history):
+    doubts = tuple(stiffness_doubts(case))
+    if not doubts:
+        middles = _middles(case, mesh)
+        doubts = tuple(pressure_doubts(case, mesh, history, middles))
+    for warning in doubts or coarse_contacts(case, mesh, history, middles):
         options.announce(f"Warning: {warning}")
     return mesh
+
+
+def _middles(case: Case, mesh: Mesh) -> dict[str, Array]:
+    """(2,) middles of contacts of which a plane model has a half, by name."""
+    held = any(len(each.fix) == 1 or each.direction for each in case.supports.values())
+    if mesh.dimension == 3 or not held:
+        return {}
+    model = define_model(case, mesh)
+    pairs = couple_contacts(case, contact_surfaces(model, mesh), model.components)
+    return half_middles(case, model, mesh, pairs)
 
 
 BACKEND = FemBackend()

@@ -31,6 +31,7 @@ from fretfe.fem.limits import oscillates
 from fretfe.fem.model import Model
 from fretfe.fem.probes import Probe, UnitFields, bond, probe_stations
 from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solution, StationIntegrals
+from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.surface import perpendicular
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
@@ -152,9 +153,14 @@ class _PlaneDraft(_Draft["_Areas"]):
 
     def _probes(self, contact: ContactHistory, plan: _Areas) -> list[Probe]:
         image, pair = whole_contact(contact).image, self._common.pairs[contact.pair]
-        return [self._probe(pair, plan, each) for each in PLANE_FRONTS if each is not image]
+        surface = contact.surface
+        return [
+            self._probe(pair, surface, plan, each) for each in PLANE_FRONTS if each is not image
+        ]
 
-    def _probe(self, pair: Pair, areas: _Areas, front: PlaneFront) -> Probe:
+    def _probe(
+        self, pair: Pair, surface: ContactSurface, areas: _Areas, front: PlaneFront
+    ) -> Probe:
         model, difference = self._common.model, self._common.difference
         edges = [float(edge) for edge in areas.positions[:, front.number]]
         fields = [self.fields.of_area(int(area)) for area in areas.numbers]
@@ -162,12 +168,13 @@ class _PlaneDraft(_Draft["_Areas"]):
             edges.append(float(areas.last[front.number]))
             fields.append((difference,))
         tubes = tuple(Tube(float(reach)) for reach in areas.reaches)
-        normals = pair.coupling.surface.frames[:, 0, :2]
+        normals = surface.frames[:, 0, :2]
+        points = [_at(surface, edge, surface.points) for edge in edges]
         return Probe(
             bodies=(pair.body1, pair.body2),
-            tips=tuple(_tips(model, pair, edge, front) for edge in edges),
+            tips=tuple(_tips(model, pair, point, front) for point in points),
             frames=tuple(
-                _frame(_at(pair, edge, normals), front, model.components) for edge in edges
+                _frame(_at(surface, edge, normals), front, model.components) for edge in edges
             ),
             fields=tuple(fields),
             tubes=(tubes,) * len(edges),
@@ -279,9 +286,8 @@ def _reaches(contact: ContactHistory, edges: Array, room: float) -> Array:
     return np.array(REACHES) / REACHES[-1] * largest
 
 
-def _tips(model: Model, pair: Pair, edge: float, front: PlaneFront) -> tuple[Tip, Tip]:
-    """A station on the surfaces of body 1 and body 2, each with its own tangent."""
-    point = _at(pair, edge, pair.coupling.surface.points)
+def _tips(model: Model, pair: Pair, point: Array, front: PlaneFront) -> tuple[Tip, Tip]:
+    """A station at a point (2,), on the surfaces of both bodies, each with its own tangent."""
     contact = model.case.contacts[pair.name]
     tips = []
     for name, outward in ((contact.surface1, -1.0), (contact.surface2, 1.0)):
@@ -297,9 +303,9 @@ def _frame(across: Array, front: PlaneFront, components: int) -> Array:
     return np.vstack([rows, np.cross(*rows)])[:components, :components]
 
 
-def _at(pair: Pair, edge: float, values: Array) -> Array:
-    """(d,) values (N, d) of the multiplier nodes at a place along the arc."""
-    return np.array([np.interp(edge, pair.coupling.surface.arc, column) for column in values.T])
+def _at(surface: ContactSurface, edge: float, values: Array) -> Array:
+    """(d,) values (N, d) of the nodes at a place along the arc."""
+    return np.array([np.interp(edge, surface.arc, column) for column in values.T])
 
 
 class _SolidDraft(_Draft["_Plan"]):

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import signal
 from pathlib import Path
 
 import numpy as np
@@ -13,9 +14,12 @@ from cases.tiny_meshes import Element, Node, TinyMesh
 
 import fretfe
 from fretfe.analytic.hertz import half_width
-from fretfe.bodies.expected import coarse_contacts
+from fretfe.backends.protocol import Observer
+from fretfe.bodies import expected
+from fretfe.bodies.expected import coarse_contacts, pressure_doubts
 from fretfe.case import Case, changed, parse_case
 from fretfe.checked import check
+from fretfe.errors import StoppedError
 
 RADIUS, YOUNG, POISSON, FORCE = 20.0, 210e3, 0.3, 100.0  # of the whole, per unit thickness
 MODULUS = YOUNG / (1 - POISSON**2) / 2
@@ -81,6 +85,8 @@ def test_half_a_contact_has_one_edge_and_the_whole_width(tmp_path: Path, side: i
     image, edge = contact.stations[::side]
     assert edge.front == ("right" if side > 0 else "left")
     assert edge.point[:2] == pytest.approx([side * HALF_WIDTH, 0.0], abs=0.01 * HALF_WIDTH)
+    # from the plane of symmetry
+    assert edge.position[-1] == pytest.approx(side * HALF_WIDTH, abs=0.01 * HALF_WIDTH)
     assert edge.decisive_k_n[0] == pytest.approx(K_N, rel=0.04)
     assert edge.k_n_moved == pytest.approx(K_N, rel=0.06)
     assert np.isnan(image.k_n).all() and image.lack.whole
@@ -97,6 +103,47 @@ def test_nothing_is_foretold_of_a_gap_that_is_lowest_at_an_end(tmp_path: Path) -
     assert half_width(x, x**2 / 40, 1e-3) == (np.inf, 0.0)
     assert half_width(x, 0.1 * (3.0 - x), 1e-3) == (np.inf, 3.0)
     assert half_width(x[:2], x[:2] ** 2, 1e-3) == (np.inf, 0.0)  # one facet
+
+
+class Announced(Observer):
+    """Keeps what is announced until the first step, and ends the run there."""
+
+    def __init__(self) -> None:
+        self.texts: list[str] = []
+        self.stepped = False
+
+    def announce(self, text: str) -> None:
+        self.texts.append(text)
+
+    def step(self, number: int, count: int, text: str) -> None:
+        self.stepped = True
+
+    def stop(self) -> signal.Signals | None:
+        return signal.SIGTERM if self.stepped else None
+
+
+def test_a_run_foretells_the_whole_contact(tmp_path: Path) -> None:
+    ramp = {"ramp": -FORCE / 20, "until": 1.0, "steps": 2}
+    observer = Announced()
+    with pytest.raises(StoppedError):
+        fretfe.run(changed(half_case(tmp_path, 1), {"loads.press.history": [ramp]}),
+                   observer=observer)  # fmt: skip
+    (warning,) = (each for each in observer.texts if "Warning" in each)
+    assert "about 7 nodes in contact expected at P = 5 (half-width 0.047 mm)" in warning
+
+
+def test_the_pressure_of_the_whole_is_doubted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """By Hertz of the whole .031 E*; half of the force on all of the surface is .017 E*."""
+    monkeypatch.setattr(expected, "DOUBTED", (0.0, 0.025))
+    ramp = {"ramp": -0.05 * MODULUS, "until": 1.0, "steps": 1}
+    checked = check(changed(half_case(tmp_path, 1), {"loads.press.history": [ramp]}))
+    assert checked is not None
+    about = checked.case, checked.mesh, checked.history
+    assert list(pressure_doubts(*about)) == []
+    (doubt,) = pressure_doubts(*about, checked.middles)
+    assert "means a pressure of 0.031 E*" in doubt
 
 
 @pytest.mark.parametrize("side", [1, -1], ids=["right", "left"])
