@@ -28,6 +28,7 @@ from fretfe.mesh.elements import (
 )
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
+from fretfe.mesh.orders import of_one_order
 from fretfe.mesh.pieces import connected_groups, require_joined
 from fretfe.mesh.planes import PLANE_TOLERANCE, upright
 from fretfe.mesh.simplices import as_simplices
@@ -135,7 +136,7 @@ def mesh_from_raw(
         MeshError: It is not a set of separate plane or solid bodies with valid elements.
     """
     _require_finite(raw.points, source)
-    raw = _in_plane(raw)
+    raw = of_one_order(_in_plane(raw))
     if merge is not None:
         _node_owners(raw, _all_cells(as_simplices(raw, source), source), source)
         raw, note = merged(raw, merge, source)
@@ -222,11 +223,9 @@ def _cells(name: str, blocks: list[ElementBlock], raw: RawMesh, source: str) -> 
             f"{source}: body '{name}' has {' and '.join(sorted(others))}, which are not supported;"
             f" expected {EXPECTED[raw.dimension]}"
         )
-    kinds = sorted({ELEMENTS[kind] for kind in types})
-    if len(kinds) > 1:
-        found = " and ".join(f"{PLURALS[cell]} of order {order}" for cell, order in kinds)
-        raise MeshError(f"{source}: body '{name}' mixes {found}; expected one kind per body")
-    return _Cells(*kinds[0], np.concatenate([block.nodes for block in blocks]))
+    # what is left of shapes and orders after they were divided and raised
+    ((cell, order),) = {ELEMENTS[kind] for kind in types}
+    return _Cells(cell, order, np.concatenate([block.nodes for block in blocks]))
 
 
 def _require_one_order(raw: RawMesh, cells: Mapping[str, _Cells], source: str) -> None:

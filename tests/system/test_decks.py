@@ -5,9 +5,12 @@ from __future__ import annotations
 
 import tomllib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
+from cases.decks import LOW as LOW_ROWS
+from cases.decks import NODES
 from cases.tied_blocks import Block, write_deck
 
 import fretfe
@@ -61,3 +64,46 @@ def test_a_column_that_a_reference_node_bends(tmp_path: Path, kind: str, layers:
         turn = found.solution.coordinates.index("up_top_about_z")
         expected = lever * HEIGHT / (YOUNG * inertia)
         assert found.solution.amplitudes[-1, turn] == pytest.approx(expected, rel=1e-8)
+
+
+# Under the head a square of order 2, one of order 1 and two triangles.
+MIDDLE_NODES = "41, 0.5, 1.\n42, 1., 1.5\n43, 0.5, 2.\n44, 0., 1.5\n"
+MIXED = (
+    f"*NODE\n{NODES}{MIDDLE_NODES}*ELEMENT, TYPE=CPE4, ELSET=LOW\n{LOW_ROWS}"
+    "*ELEMENT, TYPE=CPE8, ELSET=UP\n21, 21, 22, 26, 25, 41, 42, 43, 44\n"
+    "*ELEMENT, TYPE=CPE4, ELSET=UP\n22, 22, 23, 27, 26\n"
+    "*ELEMENT, TYPE=CPE3, ELSET=UP\n23, 23, 24, 28\n24, 23, 28, 27\n"
+    "*NSET, NSET=FOOT\n1, 2, 3, 4\n*SURFACE, NAME=FACE\nLOW, S3\n*SURFACE, NAME=PAD\n21, S1\n"
+    "22, S1\n23, S1\n*SURFACE, NAME=HEAD\n21, S3\n22, S3\n24, S2\n"
+    "*SURFACE, NAME=LEFT\n1, S4\n*SURFACE, NAME=PADLEFT\n21, S4\n"
+)
+
+
+@pytest.mark.parametrize("layers", [0, 1])
+def test_a_body_of_both_orders_and_two_shapes_passes_the_patch_test(
+    tmp_path: Path, layers: int
+) -> None:
+    (tmp_path / "mixed.inp").write_text(MIXED)
+    steel = {"young": 200e3, "poisson": 0.3}
+    geometry: dict[str, Any] = {"file": "mixed.inp"}
+    supports = {"FOOT": ["y"], "LEFT": ["x"], "PADLEFT": ["x"]}
+    if layers:
+        geometry["solid"] = {"length": 0.5, "layers": layers}
+        supports |= {"low_front": ["z"], "up_front": ["z"]}
+    case = parse_case({
+        "geometry": geometry,
+        "bodies": {"low": steel, "up": steel},
+        "contacts": {"main": {"surface1": "PAD", "surface2": "FACE", "friction": 0.3}},
+        "supports": {name.lower(): {"boundary": name, "fix": fix}
+                     for name, fix in supports.items()},
+        "loads": {"press": {"type": "traction", "boundary": "HEAD", "direction": "normal",
+                            "history": [{"ramp": -10.0, "until": 1.0, "steps": 1}]}},
+        "output": {"fields": "none"},
+    }, tmp_path / "mixed.toml")  # fmt: skip
+    found = fretfe.run(case)
+    traction = found.contact_history("main").traction[-1]
+    np.testing.assert_allclose(traction[:, 0], 10.0, rtol=1e-9)
+    np.testing.assert_allclose(traction[:, 1:], 0.0, atol=1e-8)
+    told = " ".join(found.notes)
+    assert "body 'up' has 1 quadrilaterals and 2 triangles of order 1 beside others" in told
+    assert "and is divided into triangles" in told
