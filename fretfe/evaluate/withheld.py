@@ -22,6 +22,8 @@ class Lack(StrEnum):
     NO_ROOT = "no root"
     NO_TRACTIONS = "no tractions"
     NO_BORDER = "no border"
+    NARROW = "narrow contact"
+    CUT = "cut by ends"
     SHORT_BORDER = "short border"
     NO_CURVE = "no curve"
     FREE_END = "free end"
@@ -101,11 +103,6 @@ class Withheld:
 
 
 TOLD = Withheld()
-# Fits of two orders reach six elements inward, and no farther than to .9 of a radius of curvature
-# or 1.5 times the half-width.
-WANTED_ELEMENTS = (
-    "they need fourteen elements over the width of a round contact, eight over that of a long one"
-)
 
 
 def failed(fault: Fault) -> Withheld:
@@ -117,15 +114,29 @@ def _of_fronts(lack: Withheld) -> str:
     """Reason why a contact between solids that carries a force has no fronts."""
     match lack.kind:
         case Lack.NO_BORDER:
-            return "all of its surface is in contact, whose border is no contact edge"
+            return (
+                "all of its surface is in contact but for rows at its border, which is no contact "
+                "edge: where the bodies go on, let the surfaces reach farther"
+            )
+        case Lack.NARROW:
+            return (
+                f"it has about {lack.found} elements over its width, {lack.wanted} are wanted at "
+                f"least: make them {_halves(lack.wanted / max(lack.found, 1)):g} times smaller"
+            )
+        case Lack.CUT:
+            return (
+                f"the ends of its surface cut its boundary to a length of {lack.found} elements, "
+                f"less than its width of {lack.wanted}: nothing is known of such corners"
+            )
         case Lack.SHORT_BORDER:
             return (
-                f"its boundary crosses {lack.found} elements, {lack.wanted} are wanted at least: "
-                f"{WANTED_ELEMENTS}"
+                f"its boundary crosses no more than {lack.found} elements between the ends of the "
+                f"surface, {lack.wanted} are wanted at least"
             )
     return (
-        "the pressure next to its boundary tells the place of the front at too few stations: "
-        f"{WANTED_ELEMENTS}"
+        "the pressure falls to zero like a root at too few places of its boundary, though it has "
+        f"about {lack.found} elements over its width: it ends at sharp corners, or at far larger "
+        "elements next to its boundary"
     )
 
 

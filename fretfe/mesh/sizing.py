@@ -34,6 +34,8 @@ KINK = 0.1
 DIFFERENCE = 1e-3
 # Points of each curve at which distances from it are taken.
 SAMPLING = 200
+# Fewest and most points across a face at which distances from it are taken.
+POINTS_ACROSS = 20, 500
 # Sizes come from the field alone. Curvature is in the field too: Gmsh's own way of taking account
 # of it makes lines that need a steep growth very slow.
 OPTIONS = {
@@ -127,12 +129,22 @@ def apply_sizes_on_faces(gmsh: ModuleType, sizes: Mapping[str, float], growth: f
         sizes: largest element size on whole boundaries, by physical surface group.
         growth: of the element size per distance from them.
     """
-    fields = []
+    field, fields = gmsh.model.mesh.field, []
     for dim, group in gmsh.model.getPhysicalGroups(2):
         size = sizes.get(gmsh.model.getPhysicalName(dim, group))
-        if size is not None:
-            faces = gmsh.model.getEntitiesForPhysicalGroup(dim, group)
-            fields.append(_graded(gmsh, _distance(gmsh, "SurfacesList", faces), size, growth))
+        if size is None:
+            continue
+        faces = [int(face) for face in gmsh.model.getEntitiesForPhysicalGroup(dim, group)]
+        boxes = np.reshape([gmsh.model.getBoundingBox(dim, face) for face in faces], (-1, 2, 3))
+        longest = np.linalg.norm(boxes[:, 1] - boxes[:, 0], axis=1).max()
+        # Points of a face are further apart than its elements are long where it has many of these.
+        points = int(np.clip(longest / size, *POINTS_ACROSS))
+        distance = _distance(gmsh, "SurfacesList", faces, points)
+        on_faces = int(field.add("Constant"))
+        field.setNumbers(on_faces, "SurfacesList", faces)
+        field.setNumber(on_faces, "VIn", size)
+        field.setNumber(on_faces, "VOut", max(_diagonal(gmsh) / FEWEST_ACROSS, size))
+        fields += [on_faces, _graded(gmsh, distance, size, growth)]
     _use_smallest(gmsh, fields)
     gmsh.option.setNumber("Mesh.MeshSizeFromCurvature", AROUND_CIRCLE)
 
@@ -303,11 +315,11 @@ def _use_smallest(gmsh: ModuleType, fields: Sequence[int]) -> None:
         gmsh.option.setNumber(f"Mesh.{option}", value)
 
 
-def _distance(gmsh: ModuleType, kind: str, tags: Sequence[int]) -> int:
-    """A field: distance from points, curves or surfaces."""
+def _distance(gmsh: ModuleType, kind: str, tags: Sequence[int], sampling: int = SAMPLING) -> int:
+    """A field: distance from points, or from so many of each curve or across each surface."""
     field = int(gmsh.model.mesh.field.add("Distance"))
     gmsh.model.mesh.field.setNumbers(field, kind, tags)
-    gmsh.model.mesh.field.setNumber(field, "Sampling", SAMPLING)
+    gmsh.model.mesh.field.setNumber(field, "Sampling", sampling)
     return field
 
 

@@ -61,7 +61,7 @@ def test_numbers_are_those_of_the_largest_contact_and_say_so(
     solution, track = case
     (contact,) = evaluate(solution, tracks={"main": (track,)})
     known: Array = np.array([station.decisive_k_n for station in contact.stations])
-    assert contact.lack.kind in (Lack.NO_CURVE, Lack.SHORT_BORDER)
+    assert contact.lack.kind is Lack.NARROW
     assert {(station.first, station.last) for station in contact.stations} == {(1, 2)}
     assert np.all(np.abs(known[:, 0] - np.sqrt(2)) < known[:, 1])
     (found,) = (each for each in contact.warnings if each.kind is Kind.NO_FRONTS)
