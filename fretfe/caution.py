@@ -304,6 +304,12 @@ class Kind(StrEnum):
         "(K_T, K_S) of a component does not stay on a line",
         "no test here follows that",
     )
+    TARGET_AT_END = (
+        "target at an end",
+        "the station is next to a free end",
+        "the station of a component is next to a free end, towards which |ΔK| varies",
+        "a plane test stands for that station alone",
+    )
 
 
 @dataclass(frozen=True)

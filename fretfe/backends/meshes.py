@@ -17,6 +17,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.bodies.free_ends import graded
 from fretfe.case import Case
 from fretfe.errors import MeshError, OutputError
 from fretfe.evaluate.contacts import Contact
@@ -250,7 +251,7 @@ class SolidPasses(Passes):
 
     def _make_mesh(self) -> Mesh:
         size = partial(refine_near, self._places, LARGEST_GROWTH)
-        return load_mesh(finer_sweep(self._case, FINER ** len(self._done)), size)
+        return load_mesh(finer_sweep(graded(self._case), FINER ** len(self._done)), size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         values = solid_values(result.contacts, result.solution)

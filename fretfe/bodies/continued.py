@@ -78,15 +78,36 @@ def continued_nodes(case: Case, model: ModelDefinition, mesh: Mesh, pair: Pair) 
     else:
         rows, sizes = np.flatnonzero(surface.free), np.sqrt(surface.weights)
     nodes = surface.points[rows], surface.frames[rows, 0, : found.shape[1]], sizes[rows]
+    found[rows] = normals_behind(case, model, mesh, (pair.body1, pair.body2), nodes)
+    return None if surface.free is None and np.isnan(found).all() else found
+
+
+def normals_behind(
+    case: Case,
+    model: ModelDefinition,
+    mesh: Mesh,
+    bodies: tuple[str, str],
+    nodes: tuple[Array, Array, Array],
+) -> Array:
+    """Normals (n, d) of planes behind which two bodies go on, as of `continued_nodes`.
+
+    Args:
+        case: of the bodies.
+        model: with their supports.
+        mesh: of the bodies.
+        bodies: names of the two.
+        nodes: points (n, d) of a contact, unit normals (n, d) of it, sizes (n,) of its elements.
+    """
+    found = np.full(nodes[0].shape, np.nan)
     own = (
         list(_sides(case, model, body, mesh.bodies[body.name]))
-        for name in (pair.body1, pair.body2)
+        for name in bodies
         for body in model.bodies
         if body.name == name
     )
     for one, other in product(*own):
-        found[rows[one.continues(other, *nodes)]] = one.normal
-    return None if surface.free is None and np.isnan(found).all() else found
+        found[one.continues(other, *nodes)] = one.normal
+    return found
 
 
 def half_end(continued: Array | None) -> int | None:

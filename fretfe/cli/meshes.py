@@ -71,6 +71,7 @@ def _propose(deck: Path) -> None:
 
 def _print(checked: Checked) -> None:
     from fretfe.bodies.expected import coarse_contacts, pressure_doubts
+    from fretfe.bodies.free_ends import end_warning
     from fretfe.case import stiffness_doubts
     from fretfe.checked import propose
     from fretfe.console import Console
@@ -85,7 +86,8 @@ def _print(checked: Checked) -> None:
     if not any(stiffness_doubts(case)):
         warnings = tuple(pressure_doubts(case, checked.mesh, history, checked.middles))
         if not warnings and case.edges.tolerance is None:
-            warnings = coarse_contacts(case, checked.mesh, history, checked.middles)
+            coarse = coarse_contacts(case, checked.mesh, history, checked.middles)
+            warnings = (*coarse, *end_warning(case, checked.mesh))
     for warning in warnings:
         console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:

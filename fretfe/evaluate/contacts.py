@@ -30,6 +30,9 @@ LARGEST_ZONE_SPREAD = 0.1
 NO_NUMBER = 0.5
 # The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
 LARGEST_TURNING = 0.1
+# Distance from a free end over the slip zone by the factors from which these mean something: half
+# of a dovetail has the same ranges within their bars there with layers of .2, .1 and .05 mm.
+FAR_FROM_END = 3.0
 # Counted cycles whose ranges differ by less than this fraction are the same cycle.
 SAME_RANGE = 1e-3
 
@@ -532,6 +535,16 @@ class Station(StationHistory):
         """True if the range of (K_T, K_S) is known to less than a twentieth, or not how well."""
         return uncertain_factor(self.k_range, self.k_range_spread)
 
+    @property
+    def defined(self) -> bool:
+        """True if it has factors of its own: it is not near an end, or far from it against d.
+
+        Nearer to a free end than the width of the field of K_N slip is not that of an edge, but the
+        loading increments of full stick have factors as far as slip zones are short.
+        """
+        slip = self.range_over_k_n / (self.friction or math.nan)
+        return not self.end or self.to_end > FAR_FROM_END * slip
+
     def told_prediction(self, zone: SlipZone) -> float:
         """Predicted length of a slip zone; NaN where K_N or the range in it is not told."""
         k_n = reported(float(self.k_n[zone.end]), float(self.k_n_spread[zone.end]))
@@ -641,9 +654,14 @@ class Front:
         return tuple(station for station in self.stations if not station.end)
 
     @property
+    def defined(self) -> tuple[Station, ...]:
+        """Stations that have factors of their own, those near an end among them."""
+        return tuple(station for station in self.stations if station.defined)
+
+    @property
     def worst(self) -> Station | None:
-        """Of the stations not too near an end that of the largest |ΔK| known; None without any."""
-        known = [each for each in self.judged if np.isfinite(each.reported_range)]
+        """Of the stations with factors of their own that of the largest |ΔK|; None without any."""
+        known = [each for each in self.defined if np.isfinite(each.reported_range)]
         return max(known, key=lambda each: each.reported_range, default=None)
 
     def along(self, attribute: str) -> Array:

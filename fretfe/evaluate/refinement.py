@@ -251,18 +251,18 @@ def station_changes(
         fronts = [front for old in before if old.pair == contact.pair for front in old.fronts]
         twins = front_partners(contact.fronts, fronts)
         for front, twin in zip(contact.fronts, twins, strict=True):
-            count = len(front.judged)
+            count = len(front.defined)
             if twin is None or not count:
                 references += [(math.nan, math.nan)] * count
                 continue
-            places = np.array([station.point for station in front.judged])
+            places = np.array([station.point for station in front.defined])
             measures = (*_measures(solution, contact), lambda _: 0.0)
             *values, judged = at_places(twin, places, measures)
             references += [
                 tuple(float(value[place]) for value in values) if judged[place] == 0 else None
                 for place in range(count)
             ]
-    known = any(front.judged for contact in before for front in contact.fronts)
+    known = any(front.defined for contact in before for front in contact.fronts)
     return _largest(after, references) if known else ()
 
 
@@ -294,7 +294,7 @@ def _measures(solution: Solution, contact: Contact) -> tuple[Measure, Measure]:
 
 
 def solid_values(contacts: Sequence[Contact], solution: Solution) -> tuple[StationValues, ...]:
-    """Values that must converge at all stations of solids that are not too near an end.
+    """Values that must converge at all stations of solids that have factors of their own.
 
     Slip zones follow from K_N and the range of (K_T, K_S) by the plane problem of each station.
     """
@@ -302,7 +302,7 @@ def solid_values(contacts: Sequence[Contact], solution: Solution) -> tuple[Stati
     for contact in contacts:
         k_n, k_range = _measures(solution, contact)
         for front in contact.fronts:
-            largest = np.nanmax(numbers(front.judged, k_range), initial=0.0)
+            largest = np.nanmax(numbers(front.defined, k_range), initial=0.0)
             found += [
                 StationValues(
                     contact=contact.name,
@@ -315,7 +315,7 @@ def solid_values(contacts: Sequence[Contact], solution: Solution) -> tuple[Stati
                     number=station.number,
                     k_t_scale=LEAST_RANGE * float(largest),
                 )
-                for station in front.judged
+                for station in front.defined
             ]
     return tuple(found)
 
@@ -328,12 +328,12 @@ def numbers(stations: Sequence[Station], measure: Measure) -> Array:
 def at_places(front: Front, points: Array, measures: Sequence[Measure]) -> Iterator[Array]:
     """Numbers (n,) of a front at the places of its line that are nearest to points (n, 3).
 
-    Linear between the stations; NaN where a neighbour has none, or is an end.
+    Linear between the stations; NaN where a neighbour has none.
     """
     first, second, part, _ = nearest_places(front, points)
     for measure in measures:
         values = numbers(front.stations, measure)
-        values[front.along("end").astype(bool)] = np.nan
+        values[~front.along("defined")] = np.nan
         # A place on a station needs no neighbour.
         terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
         yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)

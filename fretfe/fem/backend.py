@@ -16,6 +16,7 @@ from fretfe.backends.protocol import DEFAULTS, Backend, Processes, RunOptions, S
 from fretfe.bodies.continued import half_middles
 from fretfe.bodies.definition import contact_surfaces, couple_contacts, define_model
 from fretfe.bodies.expected import coarse_contacts, pressure_doubts
+from fretfe.bodies.free_ends import end_warning
 from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
     address_room,
@@ -197,6 +198,8 @@ def _load(case: Case, options: RunOptions) -> Mesh:
         middles = _middles(case, mesh)
         doubts = tuple(pressure_doubts(case, mesh, history, middles))
     for warning in doubts or coarse_contacts(case, mesh, history, middles):
+        options.announce(f"Warning: {warning}")
+    for warning in end_warning(case, mesh):
         options.announce(f"Warning: {warning}")
     return mesh
 

@@ -27,6 +27,8 @@ NORMAL_COUNTS = 0.02
 # Range of (K_T, K_S) across the direction in which it varies most, over the one along it, and sine
 # of that direction, from which they are told.
 TURNS = 0.05
+# Stations of a front are neighbours up to this distance, in their spacing.
+NEIGHBOURS = 1.5
 # Nodes next to an edge, of solids rows of nodes, whose tractions alternate about the field.
 FIRST_NODES = 3
 # Nodes behind them between which tractions can be compared.
@@ -154,7 +156,10 @@ def read_target(result: Result, edge: str) -> Target:
             *about(
                 contact.name,
                 station.front,
-                _warnings(contact, station, in_step, k_i_range * station.friction / k_t_range),
+                (
+                    *_warnings(contact, station, in_step, k_i_range * station.friction / k_t_range),
+                    *_at_end(front, station),
+                ),
             ),
         ),
         k_angle=station.k_angle,
@@ -246,6 +251,22 @@ def _warnings(
             f"(K_T, K_S) turns: its range across that direction is {station.turning:.0%} of the "
             "one along it",
         )
+
+
+def _at_end(front: Front, station: Station) -> Iterator[tuple[Kind, str]]:
+    """Range of factors along a front at a free end, for which no plane test stands."""
+    if not station.end:
+        return
+    places, ranges = front.along("arc"), front.along("reported_range")
+    near = np.abs(places - station.arc) < NEIGHBOURS * front.length / len(places)
+    reported = ranges[near & np.isfinite(ranges)]
+    low, high = (f"{each:.3g}" for each in (reported.min(), reported.max()))
+    yield (
+        Kind.TARGET_AT_END,
+        f"a free end is {station.to_end:.3g} away, and |ΔK| is {low} to {high} at this station "
+        "and its neighbours: a plane test has the same along its whole edge, and no corner; it "
+        "does not stand for slip along the front, nor for cracks that begin at the corner",
+    )
 
 
 def _profile(

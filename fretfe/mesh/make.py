@@ -41,6 +41,8 @@ FINEST = 4.0
 # Elements along all curves that a coarse mesh may have; cells from which their number tells enough.
 ALONG_CURVES = 2000
 ENOUGH = 5000
+# Cells of a mesh over those of one that is coarser by a step, from which their sizes count.
+GROWING = 1.5
 # Equilateral triangles on the square of their side.
 PER_SQUARE = 4 / math.sqrt(3)
 FACTOR = "Mesh.MeshSizeFactor"
@@ -135,13 +137,14 @@ def expected_elements(gmsh: ModuleType, growth: float) -> float:
         if in_rows > MOST_ELEMENTS:
             return in_rows
         factor = max(COARSE, along / ALONG_CURVES)
-        coarser, found = 0, _count(gmsh, dimension, factor * before)
-        while found < ENOUGH and factor > FINEST:
+        coarser = _count(gmsh, dimension, STEP * factor * before)
+        found = _count(gmsh, dimension, factor * before)
+        # Layers of swept bodies, and lines that are counted, are the same whatever the sizes.
+        while factor > FINEST and (found < ENOUGH or found < GROWING * coarser):
             factor /= STEP
             coarser, found = found, _count(gmsh, dimension, factor * before)
         if found < ENOUGH:
             return 0.0
-        coarser = coarser or _count(gmsh, dimension, STEP * factor * before)
     except Exception:
         # Gmsh raises nothing more special. Quadrilaterals, for instance, need even numbers of sides
         # along each curve, which coarse meshes may not have.

@@ -451,8 +451,9 @@ def subjects(contact: Contact, front: Front) -> Iterator[tuple[Place, tuple[Stat
 
 
 def _worst(contact: Contact, front: Front) -> tuple[Place, Station] | None:
-    """The station of the largest |ΔK| known, as a subject of rows; None without any."""
-    station = front.worst
+    """The station of the largest |ΔK| that slips like an edge, as a subject of rows, if any."""
+    known = [each for each in front.judged if np.isfinite(each.reported_range)]
+    station = max(known, key=lambda each: each.reported_range, default=None)
     if station is None:
         return None
     return Place(contact.name, f"{front.name}, station {station.number}"), station

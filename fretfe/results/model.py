@@ -176,17 +176,17 @@ class Result:
         """
         meant = self._meant(name)
         if len(meant) > 1:
-            meant = [each for each in meant if not each[2].end and each[2].range_over_k_n > 0]
+            meant = [each for each in meant if each[2].defined and each[2].range_over_k_n > 0]
             if not meant:
                 raise ModelError(
                     f"edge {name}: expected K_N and the range of K_T to be known somewhere along "
                     "it, each with an error bar of less than half of it, found that they are not"
                 )
         contact, front, station = max(meant, key=lambda each: each[2].range_over_k_n)
-        if station.end:
+        if not station.defined:
             raise ModelError(
-                f"edge {name}: expected a station with the fields of an edge, found one within a "
-                "local length of a free end"
+                f"edge {name}: expected a station with factors of its own, found one so near to a "
+                f"free end that they are unknown or mean nothing ({station.to_end:.3g})"
             )
         return contact, front, station
 

@@ -99,7 +99,7 @@ def result_labels(results: Sequence[Result]) -> list[str]:
 def _edges(result: Result, label: str) -> Iterator[ComponentEdge]:
     for contact in result.contacts:
         for front in contact.fronts:
-            for station in front.judged:
+            for station in front.defined:
                 yield _edge(result, label, contact, station, list(_remarks(station)))
 
 
@@ -109,6 +109,8 @@ def _remarks(station: Station) -> Iterator[str]:
             "the loads are irregular: judged is the range over the whole cycle, other counted "
             "cycles do no damage here"
         )
+    if station.end:
+        yield f"a free end is {station.to_end:.3g} away, which the tests have not"
     if station.turning > SMALL:
         yield f"(K_T, K_S) turns: the range across its direction is {station.turning:.0%}"
 

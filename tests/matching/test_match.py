@@ -471,6 +471,25 @@ def test_a_station_of_solids_is_read(sphere: Result) -> None:
     assert any("range across that direction is 30%" in each.text for each in turned.warnings)
 
 
+def test_a_station_near_a_free_end_is_read_as_far_as_its_factors_mean_something(
+    sphere: Result,
+) -> None:
+    """Three slip zones from the end and farther, with a remark on what a test cannot show."""
+    station = sphere.contacts[0].stations[1]
+    slip = station.k_range / (station.friction * K_N)
+    near = at_station(sphere, 1, end=True, to_end=3.1 * slip)
+    (remark,) = (
+        each for each in read_target(near, "main.1.1").warnings if each.kind is Kind.TARGET_AT_END
+    )
+    assert "at this station and its neighbours: a plane test has the same" in remark.text
+    nearer = at_station(sphere, 1, end=True, to_end=2.9 * slip)
+    with pytest.raises(ModelError, match="so near to a free end that they are unknown or mean"):
+        read_target(nearer, "main.1.1")
+    assert not any(
+        each.kind is Kind.TARGET_AT_END for each in read_target(sphere, "main.1.1").warnings
+    )
+
+
 @pytest.mark.parametrize("number", range(12))
 def test_tractions_next_to_a_station(sphere: Result, number: int) -> None:
     """Hertz, and twice Cattaneo and Mindlin for half of the change of Q, in means over rows."""
@@ -494,7 +513,7 @@ def test_a_contact_or_front_stands_for_its_worst_station(sphere: Result) -> None
     # Not by the range alone, and not near an end.
     stiffer = at_station(worse, 7, k_n=1.2 * front.stations[7].k_n)
     assert read_target(stiffer, "main.1").name == "main.1.0"
-    assert read_target(at_station(worse, 7, end=True), "main").name == "main.1.0"
+    assert read_target(at_station(worse, 7, end=True, to_end=0.0), "main").name == "main.1.0"
     unknown = with_stations(sphere, lambda each: replace(each, k_range_spread=math.nan))
     with pytest.raises(ModelError, match="edge main: expected K_N and the range of K_T to be"):
         read_target(unknown, "main")

@@ -28,7 +28,7 @@ SHORTEST_WAY = 4.0
 CRAMPED = 0.15
 # Error of a range over the square of the length of an element along the front over the distance to
 # a free end, towards which ranges grow: a skewed dovetail with layers of 1.5, .2 and .1 mm.
-NEAR_FREE_END = 0.03
+NEAR_FREE_END = 0.06
 
 
 def farthest(depth: float, radius: float) -> float:

@@ -67,7 +67,7 @@ def _worst(run: Result) -> tuple[Contact, Station] | None:
         (contact, station)
         for contact in run.contacts
         for front in contact.fronts
-        for station in front.judged
+        for station in front.defined
         if math.isfinite(station.reported_range) or math.isfinite(station.reported_k_n)
     ]
     return max(known, key=lambda each: _severity(each[1]), default=None)

@@ -135,7 +135,7 @@ def fronts_reading(fronts: Sequence[Front]) -> str:
         return ""
     marked = [f"{front.worst.number} of {front.name}" for front in fronts if front.worst]
     which = (
-        "; diamond: the largest range |ΔK| of (K_T, K_S) on a front, not too near its end: station "
+        "; diamond: the largest range |ΔK| of (K_T, K_S) that is known on a front: station "
         f"{' and '.join(marked)} in stations.csv and in the table of fronts"
         if marked
         else ""
