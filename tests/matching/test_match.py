@@ -521,7 +521,7 @@ def test_a_contact_or_front_stands_for_its_worst_station(sphere: Result) -> None
 
 def test_stations_that_are_not_matched(sphere: Result, solved: Result) -> None:
     for values, text in (
-        ({"end": True}, "a station .* found one within a local length of a free end"),
+        ({"end": True, "to_end": 0.0}, "a station .* found one so near to a free end"),
         (
             {"k_n": np.full(len(sphere.loads.times), np.nan)},
             "K_N to be known, found that it is not",

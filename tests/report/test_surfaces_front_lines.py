@@ -26,7 +26,13 @@ def run() -> Result:
         result.solution, contact, follow_fronts(result.solution, contact, 12)
     )
     stations = tuple(
-        replace(each, k_range=10.0 + each.number, k_range_spread=0.1, end=each.number == 11)
+        replace(
+            each,
+            k_range=10.0 + each.number,
+            k_range_spread=0.1,
+            end=each.number == 11,
+            to_end=0.0,
+        )
         for each in front.stations
     )
     (area,) = result.contacts
