@@ -268,6 +268,23 @@ class Runner:
             self.write(lambda: work.close(result))
         return validation
 
+    def run_all(self, read: Callable[[], Sequence[Case]], observer: Observer) -> list[Result]:
+        """Solve cases one after the other, each with a folder beside its file.
+
+        Args:
+            read: the cases; on the first process.
+            observer: follows the runs.
+
+        Raises:
+            FretfeError: if one of them cannot be solved; what was solved is written before.
+        """
+        results = []
+        for case in self.processes.on_root(read):
+            results.append(self.run(case, case.source.with_suffix(""), observer))
+            if (failure := results[-1].failure) is not None:
+                raise failure
+        return results
+
     @contextmanager
     def _at_work(self, work: Work, observer: Observer) -> Iterator[Work]:
         """Keep the folder of a run from others; note in it why a run failed.

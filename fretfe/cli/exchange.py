@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
@@ -14,6 +15,7 @@ import typer
 
 from fretfe.cli.options import AsJson, Results, TrustGeo, examples
 from fretfe.environment import rank_from_environment
+from fretfe.errors import CaseError
 from fretfe.files import json_value
 from fretfe.report.texts import (
     MISSING,
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fretfe._typing import Array
+    from fretfe.case import Case
     from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis
     from fretfe.exchange.comparison import Comparison
     from fretfe.exchange.traction_file import TractionTable
@@ -365,7 +368,8 @@ def submodel(
         str,
         typer.Option(
             help="CONTACT, or an edge: CONTACT.left or CONTACT.right, of solids "
-            "CONTACT.FRONT.STATION, CONTACT.FRONT for the worst one there."
+            "CONTACT.FRONT.STATION, CONTACT.FRONT for the worst one there, CONTACT.FRONT.start and "
+            "CONTACT.FRONT.end for its free ends."
         ),
     ],
     output: Annotated[
@@ -374,14 +378,25 @@ def submodel(
     radius: Annotated[
         float | None,
         typer.Option(
-            help="Radius of the part.", show_default="3 times the distance of the contact's edges"
+            help="Radius of the part.",
+            show_default="3 times the distance of the contact's edges, at a free end that to the "
+            "middle of the contact",
         ),
     ] = None,
     size: Annotated[
         float | None,
         typer.Option(
-            help="Size of the elements at contact edges.", show_default="a quarter of the run's"
+            help="Size of the elements at contact edges.",
+            show_default="a quarter of the run's, at a free end half",
         ),
+    ] = None,
+    solve: Annotated[
+        bool,
+        typer.Option("--run", help="Around a free end: solve the part, and say what is there."),
+    ] = False,
+    length: Annotated[
+        float | None,
+        typer.Option(help="Of the front next to the end.", show_default="2 slip zones"),
     ] = None,
     trust_geo: TrustGeo = False,
 ) -> None:
@@ -389,13 +404,51 @@ def submodel(
 
     The displacements of the run, which has to keep those of all steps, move its cuts.
     """
-    if rank_from_environment() > 0:
+    if rank_from_environment() > 0 and not solve:
         return
     from fretfe.api import load_result
     from fretfe.exchange.submodel import told, write_submodel
 
-    result = load_result(results)
-    found = write_submodel(result, around, output, radius, size, trust_geo=trust_geo)
-    for line in told(found, result.case.units.length):
-        print(line)
-    print(f"Case {found.path}")
+    def write() -> tuple[Case, ...]:
+        result = load_result(results)
+        found = write_submodel(result, around, output, radius, size, trust_geo=trust_geo)
+        for line in told(found, result.case.units.length):
+            print(line)
+        for case in found.cases:
+            print(f"Case {case.source}", flush=True)
+        if solve and found.end is None:
+            raise CaseError(f"--run: expected a free end of a front (--around), found {around!r}")
+        return found.cases
+
+    if solve:
+        _solve_end(results, around, write, length)
+    else:
+        write()
+
+
+def _solve_end(
+    results: Path, around: str, write: Callable[[], Sequence[Case]], length: float | None
+) -> None:
+    """Solve the parts around a free end, and print and write what they say of it."""
+    from fretfe.api import load_result
+    from fretfe.cli.options import Verbosity
+    from fretfe.cli.progress import StepReport
+    from fretfe.exchange.end_files import end_lines, write_end
+    from fretfe.quality.ends import end_answer
+    from fretfe.runner import Runner
+
+    runner = Runner.find("fem")
+    if runner.processes.idle:
+        return
+    with StepReport(runner.processes.rank, Verbosity.NORMAL, steps=False) as shown:
+        fine, coarse = runner.run_all(write, shown)
+
+    def answer() -> None:
+        run = load_result(results)
+        found = end_answer(run, around, fine, coarse, length)
+        for line in end_lines(run, found):
+            print(line)
+        for path in write_end(run, found, fine.case.source.parent):
+            print(path)
+
+    runner.write(answer)

@@ -13,6 +13,7 @@ from fretfe.errors import CaseError, OutputError
 from fretfe.mesh.part import seen
 from fretfe.quality.global_run import pressed_nodes
 from fretfe.results.field_files import FIELDS, FieldReader
+from fretfe.results.front_ends import FrontEnd
 from fretfe.results.model import Result
 
 # Times closer than this, relative to the last one, are the same.
@@ -53,8 +54,17 @@ def _pressed(result: Result, name: str) -> Array:
     return history.surface.points[pressed_nodes([history])]
 
 
-def place_of(result: Result, around: str) -> tuple[str, tuple[float, ...]]:
-    """Name of a contact, and the middle of what of it was ever pressed, or one of its stations."""
+def place_of(result: Result, around: str, end: FrontEnd | None) -> tuple[str, tuple[float, ...]]:
+    """Name of a contact, and the middle of what of it was ever pressed, or a place at its edge.
+
+    Args:
+        result: of the whole.
+        around: the contact, or one of its edges or stations.
+        end: the free end that is meant; None for anything else.
+
+    Raises:
+        CaseError: if there is no such place, or a free end of bodies that are not extruded.
+    """
     case = result.case
     solid = case.geometry.solid is not None
     if around in [each.name for each in result.contacts]:
@@ -65,10 +75,16 @@ def place_of(result: Result, around: str) -> tuple[str, tuple[float, ...]]:
         points = seen(case, points, 2 if solid else points.shape[1])
         centre = (points.min(axis=0) + points.max(axis=0)) / 2
         return around, _rounded(centre, float(np.ptp(points, axis=0).max()))
-    contact, _, station = result.find(around)
-    count = 3 if contact.solid else 2
+    if end is not None:
+        if not solid:
+            raise CaseError(f"--around: expected the end of extruded bodies, found {around!r} of "
+                            "bodies whose elements have no layers")  # fmt: skip
+        contact, point = end.contact, end.point
+    else:
+        contact, _, station = result.find(around)
+        point = station.point[: 3 if contact.solid else 2]
     size = float(np.ptp(_pressed(result, contact.name), axis=0).max())
-    return contact.name, _rounded(station.point[:count], size)
+    return contact.name, _rounded(point, size)
 
 
 def _rounded(place: Array, size: float) -> tuple[float, ...]:

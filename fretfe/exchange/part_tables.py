@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import math
 import os
+from copy import deepcopy
 from pathlib import Path
 from typing import Any
 
@@ -18,21 +19,29 @@ from fretfe.errors import CaseError
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.part import cut_name
+from fretfe.results.front_ends import FrontEnd
 from fretfe.results.model import Result
 
 # Times of the states of a run, the same as positions in it, and the values of its loads.
 HISTORY = "history.csv"
 TIME = "time"
 POSITION = "position"
-# Elements of the run over those of the part.
-FINER = 4.0
+# Layers of a part around a free end on the length of its radius, where they do not grow any more.
+LAYERS = 12
 
 
-def finer_tables(result: Result, size: float | None) -> tuple[dict[str, Any], tuple[str, float]]:
+def finer_tables(
+    result: Result, size: float | None, finer: float
+) -> tuple[dict[str, Any], tuple[str, float]]:
     """Tables of the case of a run with smaller elements, and the key and size of these.
 
     A run of the whole may leave out the plane problems next to its stations (`edges.local`); those
     of the part are what it is for.
+
+    Args:
+        result: of the run.
+        size: of the elements of the part; None for those of the run over `finer`.
+        finer: elements of the run over those of the part.
 
     Raises:
         CaseError: if a mesh file is to have smaller elements.
@@ -53,13 +62,42 @@ def finer_tables(result: Result, size: float | None) -> tuple[dict[str, Any], tu
         return tables, ("", math.nan)
     if refines:
         tables["edges"].pop("tolerance")
-    finer = float(f"{now / FINER:.3g}") if size is None else size
+    wanted = float(f"{now / finer:.3g}") if size is None else size
+    _set(tables, key, wanted)
+    return tables, (key, wanted)
+
+
+def _set(tables: dict[str, Any], key: str, value: float) -> None:
     *path, last = key.split(".")
-    place = tables
     for each in path:
-        place = place.setdefault(each, {})
-    place[last] = finer
-    return tables, (key, finer)
+        tables = tables.setdefault(each, {})
+    tables[last] = value
+
+
+def fine_at(
+    end: FrontEnd, data: dict[str, Any], size: tuple[str, float], times: float
+) -> dict[str, Any]:
+    """The case of a part of extruded bodies with thin layers around a free end of a front.
+
+    The first layer is as thick as an element of the run across the front is long, the thickest is
+    the radius of the part over `LAYERS`.
+
+    Args:
+        end: the free end.
+        data: tables of a case with elements of one size throughout.
+        size: its key and value.
+        times: larger elements, across the front and along it.
+    """
+    data = deepcopy(data)
+    # What is there says more than plane problems, which cost as much as the steps.
+    data.setdefault("edges", {})["local"] = False
+    if size[0]:
+        _set(data, size[0], size[1] * times)
+    solid, radius = data["geometry"]["solid"], data["geometry"]["part"]["radius"]
+    solid["layers"] = math.ceil(LAYERS * solid["length"] / (radius * times))
+    first = float(f"{end.station.size * times:.3g}")
+    solid["end_size"] = min(first, solid["length"] / solid["layers"])
+    return data
 
 
 class PartTables:

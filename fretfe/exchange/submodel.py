@@ -20,16 +20,31 @@ import tomli_w
 from fretfe.case import Case, parse_case
 from fretfe.case.base import CAD, file_kind
 from fretfe.errors import CaseError, OutputError
-from fretfe.exchange.part_place import place_of, reach_of, require_fields, require_one_contact
-from fretfe.exchange.part_tables import HISTORY, POSITION, TIME, PartTables, finer_tables
+from fretfe.exchange.part_place import (
+    place_of,
+    reach_of,
+    require_fields,
+    require_one_contact,
+)
+from fretfe.exchange.part_tables import (
+    HISTORY,
+    POSITION,
+    TIME,
+    PartTables,
+    fine_at,
+    finer_tables,
+)
 from fretfe.files import disk_reason, replace_text
 from fretfe.mesh.load import made_mesh
-from fretfe.mesh.mesh import place_text
+from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.mesh.part import cut_name
+from fretfe.results.front_ends import FrontEnd, find_end
 from fretfe.results.model import Result
 from fretfe.results.writer import prepare_other
 
 CASE = "submodel.toml"
+# Around free ends: the same with elements twice as large.
+COARSER = "coarser.toml"
 # By it a file is known as one that may be replaced.
 FIRST_LINE = "# A part of a solved case, written by fretfe submodel."
 # Distance of the cut over that of the edges of the contact from the middle, if none is asked for.
@@ -43,22 +58,32 @@ class Submodel:
     """A written case of a part.
 
     Attributes:
-        path: of the case file.
-        case: in it.
+        cases: of the part; around a free end a second one with elements twice as large.
         centre: of the part, 2 coordinates of a circle or cylinder, 3 of a ball.
         radius: of the part.
         reach: distance from the centre of the farthest node of its contact that was ever pressed.
         size: key and value of its element size; empty and NaN where there is none.
         left_out: what of the case is not in the part, and why, in words.
+        end: the free end that the part is around; None around anything else.
     """
 
-    path: Path
-    case: Case
+    cases: tuple[Case, ...]
     centre: tuple[float, ...]
     radius: float
     reach: float
     size: tuple[str, float]
     left_out: tuple[str, ...]
+    end: FrontEnd | None
+
+    @property
+    def case(self) -> Case:
+        """The case with the smallest elements."""
+        return self.cases[0]
+
+    @property
+    def path(self) -> Path:
+        """Its file."""
+        return self.case.source
 
 
 def write_submodel(
@@ -74,10 +99,12 @@ def write_submodel(
 
     Args:
         result: with all of its steps, and a folder that has the displacements of all of them.
-        around: contact, edge or station, as for `Result.find`.
+        around: contact, edge or station, as for `Result.find`, or a free end, as for `find_end`.
         output: folder for the files.
-        radius: of the part; None for three times the distance of the edges from the middle.
-        size: of the elements at contact edges; None for a quarter of those of the run.
+        radius: of the part; None for three times the distance of the edges from the middle, around
+            a free end for half of the width of the contact there.
+        size: of the elements at contact edges; None for a quarter of those of the run, around a
+            free end for half of them.
         trust_geo: whether a .geo file of the case may run.
 
     Raises:
@@ -85,46 +112,81 @@ def write_submodel(
         OutputError: if the results are not complete, or files cannot be read or written.
         MeshError: if there is no mesh of the part.
     """
-    folder = require_fields(result)
-    name, centre = place_of(result, around)
+    folder, end = require_fields(result), find_end(result, around)
+    if end is not None and size is None and result.case.edges.tolerance is not None:
+        raise CaseError(
+            "--size: expected that of the elements across the front, because those of the run were "
+            "made for its edges.tolerance, found none"
+        )
+    name, centre = place_of(result, around, end)
     distance = reach_of(result, name, centre)
-    wanted = FAR * distance if radius is None else radius
+    wanted = radius
+    if wanted is None:
+        wanted = FAR * distance if end is None else float(f"{end.station.depth:.3g}")
     require_one_contact(result, name, centre, wanted)
-    tables, known_size = finer_tables(result, size)
+    tables, known_size = finer_tables(result, size, 4.0 if end is None else 2.0)
     pair = result.contact_history(name).pair
     tables["geometry"]["part"] = {"centre": list(centre), "radius": float(wanted)}
     tables["contacts"] = {pair: tables["contacts"][pair]}
     tables = {key: value for key, value in tables.items() if key not in ("supports", "loads")}
+    if end is not None:
+        tables = fine_at(end, tables, known_size, 2.0)
+    part = _part(result, tables, distance, trust_geo=trust_geo)
+    builder = PartTables(result.case, part, pair, tables)
+    data = builder.tables(folder, output, result.loads.cycle, result.loads.times)
+    cases = {CASE: data}
+    if end is not None:
+        cases = {CASE: fine_at(end, data, known_size, 1.0), COARSER: data}
+    made = tuple(
+        parse_case(each, output / name, trust_geo=trust_geo) for name, each in cases.items()
+    )
+    _write(output, cases, _history(result, made[0]))
+    return Submodel(made, centre, wanted, distance, known_size, tuple(builder.left_out), end)
+
+
+def _part(result: Result, tables: dict[str, Any], reach: float, *, trust_geo: bool) -> Mesh:
+    """Mesh of a part, which shows the boundaries that are there.
+
+    Args:
+        result: of the whole.
+        tables: of the case of the part, without supports and loads.
+        reach: as of `Submodel`.
+        trust_geo: as for `write_submodel`.
+
+    Raises:
+        CaseError: if nothing is cut off.
+    """
     bare = {**tables, "symmetry": {}, "output": {}}
     if result.case.geometry.file is not None and file_kind(result.case.geometry.file) is CAD:
         # One that refines itself has no size; any shows which boundaries are there.
-        bare["geometry"] = {"size": distance / FEW, **tables["geometry"]}
+        bare["geometry"] = {"size": reach / FEW, **tables["geometry"]}
     part = made_mesh(parse_case(bare, result.case.source, trust_geo=trust_geo))
     if not any(cut_name(name) in body.boundaries for name, body in part.bodies.items()):
+        radius = tables["geometry"]["part"]["radius"]
         raise CaseError(
-            f"--radius: expected one that cuts a body, found {wanted:.4g}, within which all of "
+            f"--radius: expected one that cuts a body, found {radius:.4g}, within which all of "
             f"{' and '.join(part.bodies)} is"
         )
-    builder = PartTables(result.case, part, pair, tables)
-    data = builder.tables(folder, output, result.loads.cycle, result.loads.times)
-    path = output / CASE
-    case = parse_case(data, path, trust_geo=trust_geo)
-    _write(path, data, _history(result, case))
-    return Submodel(path, case, centre, wanted, distance, known_size, tuple(builder.left_out))
+    return part
 
 
-def _write(path: Path, data: dict[str, Any], history: str) -> None:
-    """Write case and histories in place of those of another sub-model.
+def _write(folder: Path, cases: dict[str, dict[str, Any]], history: str) -> None:
+    """Write cases, by the names of their files, and histories in place of another sub-model.
 
     Raises:
         OutputError: if there is another file with this name, or they cannot be written.
     """
-    prepare_other(path.parent)
+    prepare_other(folder)
+    path = folder / CASE
     try:
-        if path.exists() and not path.read_text("utf-8").startswith(FIRST_LINE):
-            raise OutputError(f"{path}: expected no such file, or a sub-model, found another case")
-        replace_text(path.parent / HISTORY, history)
-        replace_text(path, f"{FIRST_LINE}\n{tomli_w.dumps(data)}")
+        for path in (folder / name for name in cases):
+            if path.exists() and not path.read_text("utf-8").startswith(FIRST_LINE):
+                raise OutputError(
+                    f"{path}: expected no such file, or a sub-model, found another case"
+                )
+        replace_text(folder / HISTORY, history)
+        for path, data in ((folder / name, data) for name, data in cases.items()):
+            replace_text(path, f"{FIRST_LINE}\n{tomli_w.dumps(data)}")
     except (OSError, UnicodeDecodeError) as error:
         reason = disk_reason(error) if isinstance(error, OSError) else "there is another file"
         raise OutputError(f"{path}: cannot be written: {reason}") from error
@@ -148,16 +210,17 @@ def told(found: Submodel, length: str) -> Iterator[str]:
     what = "a circle" if len(found.centre) == 2 else "a ball"
     if found.case.geometry.solid is not None and len(found.centre) == 2:
         what = "a cylinder along the extrusion"
-    yield (
-        f"Part within {what} of radius {found.radius:.4g} {length} around "
-        f"{place_text(np.array(found.centre))}; the contact reaches {found.reach:.4g} {length} "
-        "from there"
-    )
+    place = f"Part within {what} of radius {found.radius:.4g} {length} around "
+    where = place_text(np.array(found.centre))
+    if found.end is None:
+        yield f"{place}{where}; the contact reaches {found.reach:.4g} {length} from there"
+    else:
+        yield f"{place}the free end {found.end.name} at {where}"
     if found.size[0]:
         yield f"{found.size[0]} = {found.size[1]:g} {length}"
     elif found.case.edges.tolerance is None:
         yield "The elements are those of the run, whose mesh is a file: mesh the part yourself"
-    if found.radius < found.reach:
+    if found.end is None and found.radius < found.reach:
         yield (
             "Warning: the cut runs through the contact. Its edges at the cut are none of the "
             "contact; the others count"

@@ -1,0 +1,349 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The free end of a front, by sub-models with elements of two sizes.
+
+Towards the end factors grow, and next to it they mean nothing: there the slip, the friction work
+and the tractions of the nodes are all there is. What the two sub-models differ by makes the error
+bars: with errors in proportion to the size h of the elements, or falling faster, those of the finer
+one are at most r/(1 - r) of the difference, r the ratio of the sizes. Where values grow like a
+power of the distance from the end there is no largest one, but a mean over a length.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Annotated
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.errors import ModelError
+from fretfe.evaluate.contacts import Quantity, quantities
+from fretfe.results.front_ends import FrontEnd, end_near, find_end, known_ranges, known_stations
+from fretfe.results.model import Result
+
+# Part of the radius of a part within which its cut is far: ranges are wrong by a few per cent at
+# 1.5 half-widths from it, and by the fourth power of the distance.
+INNER = 0.5
+# Slip zones of the nearest station of the run on the length over which means are taken.
+ZONES = 2.0
+# Lengths from the end within which a power is fitted, and the fewest rows of nodes there.
+REACH = 4.0
+FEWEST_ROWS = 4
+# Steeper powers have no mean.
+STEEPEST = 0.9
+# Elements of both sub-models that differ by less say little of the error.
+CLOSEST = 0.1
+
+
+@dataclass(frozen=True)
+class Rows:
+    """The nodes along a front in m rows across it; over the evaluated cycle, the largest of each.
+
+    Of extruded bodies the nodes of a layer are a row.
+    """
+
+    distance: Annotated[Array, Quantity("length", "from the free end, along the front")]
+    work: Annotated[Array, Quantity("work per length", "friction work per length of the front")]
+    slip_range: Annotated[Array, Quantity("length", "largest range of slip")]
+    density: Annotated[Array, Quantity("density", "largest friction work per area")]
+    pressure: Annotated[Array, Quantity("stress", "largest pressure")]
+    shear: Annotated[Array, Quantity("stress", "largest shear")]
+    ratio: Annotated[Array, Quantity("", "largest ratio of shear to pressure")]
+
+    def within(self, name: str, length: float) -> tuple[Array, Array]:
+        """Distances up to a length, which is the last one, and a number of the rows there."""
+        ends = np.append(self.distance[self.distance < length], length)
+        return ends, np.interp(ends, self.distance, getattr(self, name))
+
+    def mean(self, name: str, length: float) -> float:
+        """Mean of a number of the rows over a length from the end."""
+        ends, values = self.within(name, length)
+        return float(np.trapezoid(values, ends) / length)
+
+
+NUMBERS = {name: each for name, each in quantities(Rows).items() if name != "distance"}
+
+
+@dataclass(frozen=True)
+class EndNumber:
+    """A number of `Rows` over a length from the end, with error bars.
+
+    Attributes:
+        largest: of all rows there.
+        mean: over the length.
+        exponent: m of the power distance^-m by which it grows towards the end.
+    """
+
+    largest: float
+    largest_spread: float
+    mean: float
+    mean_spread: float
+    exponent: float
+    exponent_spread: float
+
+    @property
+    def grows(self) -> bool:
+        """True if it grows like a power, so that the largest value is one of the elements."""
+        return self.exponent > self.exponent_spread
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """|ΔK| at a station of the run, and by the sub-model there.
+
+    Attributes:
+        station: its name.
+        distance: from the end.
+        run, run_spread: by the run.
+        part, part_spread: by the sub-model.
+    """
+
+    station: str
+    distance: float
+    run: float
+    run_spread: float
+    part: float
+    part_spread: float
+
+    @property
+    def agrees(self) -> bool:
+        """True if the two differ by no more than both error bars together."""
+        return abs(self.run - self.part) <= math.hypot(self.run_spread, self.part_spread)
+
+
+@dataclass(frozen=True)
+class EndAnswer:
+    """What two sub-models say of a free end of a front.
+
+    Attributes:
+        name: of the end.
+        point: (3,) its place.
+        distance: (n,) of the stations of the finer sub-model from the end, increasing.
+        k_range, k_range_spread: (n,) |ΔK| there, with its error bar; NaN where it means nothing.
+        coarser: (n,) by the coarser sub-model.
+        exponent, exponent_spread: m of the power distance^-m by which it grows, as of `EndNumber`.
+        length: over which numbers next to the end are taken.
+        numbers: of the nodes over that length, by their names in `Rows`.
+        meetings: with stations of the run, those nearest to the end first.
+    """
+
+    name: str
+    point: Array
+    distance: Array
+    k_range: Array
+    k_range_spread: Array
+    coarser: Array
+    exponent: float
+    exponent_spread: float
+    length: float
+    numbers: Mapping[str, EndNumber]
+    meetings: tuple[Meeting, ...]
+
+
+def end_answer(
+    run: Result, name: str, fine: Result, coarse: Result, length: float | None = None
+) -> EndAnswer:
+    """Numbers at and near a free end.
+
+    Args:
+        run: of the whole.
+        name: of one of its free ends.
+        fine: of the part around it.
+        coarse: of the same part, with larger elements.
+        length: over which numbers next to the end are taken; None for two slip zones.
+
+    Raises:
+        ModelError: if a sub-model has no front there.
+    """
+    end = find_end(run, name)
+    assert end is not None and fine.case.geometry.part is not None
+    inner = INNER * fine.case.geometry.part.radius
+    finer, coarser = (_level(each, end, inner) for each in (fine, coarse))
+    length = _two_zones(end) if length is None else length
+    at = finer.distance
+    other = coarser.at(at)[0]
+    exponent, exponent_spread = _power(
+        *((each.distance, each.k_range) for each in (finer, coarser)), reach=REACH * length
+    )
+    ratio = finer.sizes(at) / coarser.sizes(at)
+    bars = ratio / np.maximum(1 - ratio, CLOSEST) * np.abs(finer.k_range - other)
+    finer = replace(finer, k_range_spread=np.hypot(finer.k_range_spread, bars))
+    return EndAnswer(
+        name=name,
+        point=end.point,
+        distance=at,
+        k_range=finer.k_range,
+        k_range_spread=finer.k_range_spread,
+        coarser=other,
+        exponent=exponent,
+        exponent_spread=exponent_spread,
+        length=length,
+        numbers={name: number_at(name, finer.rows, coarser.rows, length) for name in NUMBERS},
+        meetings=tuple(_meetings(end, finer, inner)),
+    )
+
+
+@dataclass(frozen=True)
+class _Level:
+    """What one sub-model knows near an end.
+
+    Attributes:
+        rows: of its nodes.
+        distance, k_range, k_range_spread: (n,) of stations with a |ΔK|, increasing.
+    """
+
+    rows: Rows
+    distance: Array
+    k_range: Array
+    k_range_spread: Array
+
+    def at(self, distance: Array) -> tuple[Array, Array]:
+        """|ΔK| and its bar at distances (n,); NaN where no stations are on both sides."""
+        k_range, spread = (
+            np.interp(distance, self.distance, each, math.nan, math.nan)
+            for each in (self.k_range, self.k_range_spread)
+        )
+        return k_range, spread
+
+    def sizes(self, distance: Array) -> Array:
+        """(n,) lengths of the elements along the front."""
+        return np.interp(distance, self.rows.distance, np.gradient(self.rows.distance))
+
+
+def _level(result: Result, end: FrontEnd, inner: float) -> _Level:
+    own = end_near(result, end.point)
+    if own is None:
+        raise ModelError(
+            f"{result.directory or result.case.source}: expected a front that ends at {end.name}, "
+            "found none: take a larger --radius"
+        )
+    table = known_ranges(own)
+    table = table[:, table[0] <= inner]
+    if not table.size:
+        raise ModelError(
+            f"{result.directory or result.case.source}: expected stations with a |ΔK| nearer than "
+            f"{inner:.3g} to {end.name}, found none"
+        )
+    return _Level(rows_at(result, own, inner), *table)
+
+
+def _two_zones(end: FrontEnd) -> float:
+    """Two slip zones, as they are known of the station of a run nearest to its end, to a digit."""
+    zones = (each.longest_zone for _, each in known_stations(end))
+    lengths = (zone.rank for zone in zones if zone is not None)
+    known = next((each for each in lengths if 0 < each < math.inf), end.station.size)
+    return float(f"{ZONES * known:.1g}")
+
+
+def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
+    """The rows of nodes of extruded bodies near a free end of a front.
+
+    Args:
+        result: of these bodies.
+        end: of one of its fronts.
+        inner: distance along the front and into the contact from it.
+
+    Raises:
+        OutputError: if not all tractions of the cycle are kept.
+    """
+    name = end.contact.name
+    history, found = result.contact_history(name), result.local_parameters(name)
+    away = history.surface.points - end.point
+    height = np.abs(away[:, 2] / end.into[2])
+    across = away - height[:, None] * end.into
+    # Beyond `inner` too, for the length of front that belongs to the last row.
+    near = (height <= 2 * inner) & (np.linalg.norm(across, axis=1) <= inner)
+    digits = 6 - math.floor(math.log10(inner))
+    distance, row = np.unique(np.round(height[near], digits), return_inverse=True)
+    first, last = result.solution.loads.evaluated
+    traction = np.asarray(history.mean_traction[first : last + 1])[:, near]
+    pressure, shear = traction[..., 0], np.linalg.norm(traction[..., 1:], axis=2)
+    ratio = np.where(pressure > 0, shear / np.where(pressure > 0, pressure, 1.0), 0.0)
+
+    def largest(values: Array) -> Array:
+        found = np.zeros(len(distance))
+        np.maximum.at(found, row, values)
+        return found
+
+    between = np.diff(distance) / 2
+    thickness = np.append(between, 0.0) + np.append(0.0, between)
+    work = np.bincount(row, found.work[near] * history.surface.weights[near]) / thickness
+    values = [
+        work,
+        largest(found.slip_range[near]),
+        largest(found.work[near]),
+        largest(pressure.max(axis=0)),
+        largest(shear.max(axis=0)),
+        largest(ratio.max(axis=0)),
+    ]
+    kept = distance <= inner
+    # The first row lies on the free end.
+    return Rows(distance[kept] - distance[0], *(each[kept] for each in values))
+
+
+def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
+    """A number next to an end, by two levels, one of which is twice as fine.
+
+    Means of a power distance^-m err like h^(1 - m): 1/(2^(1 - m) - 1) of the difference.
+
+    Args:
+        name: of it in `Rows`.
+        fine: of the finer level.
+        coarse: of the coarser level.
+        length: from the end.
+    """
+    largest = [float(each.within(name, length)[1].max()) for each in (fine, coarse)]
+    mean = [each.mean(name, length) for each in (fine, coarse)]
+    exponent, exponent_spread = _power(
+        *((each.distance, getattr(each, name)) for each in (fine, coarse)), reach=REACH * length
+    )
+    order = 1 - min(exponent, STEEPEST) if exponent > exponent_spread else 1.0
+    return EndNumber(
+        largest=largest[0],
+        largest_spread=abs(largest[0] - largest[1]),
+        mean=mean[0],
+        mean_spread=abs(mean[0] - mean[1]) / (2**order - 1),
+        exponent=exponent,
+        exponent_spread=exponent_spread,
+    )
+
+
+def _power(*levels: tuple[Array, Array], reach: float) -> tuple[float, float]:
+    """Exponent m of the power distance^-m, by least squares, and its error bar.
+
+    The bar is twice the error of the fit to the finer level with the difference of the two.
+
+    Args:
+        levels: distances and values of the finer and of the coarser level.
+        reach: of the fit. The row on the end has no distance, and is left out.
+    """
+    found = []
+    for distance, values in levels:
+        used = (distance > 0) & (distance <= reach) & (values > 0)
+        if np.count_nonzero(used) < FEWEST_ROWS:
+            return math.nan, math.nan
+        x, y = np.log(distance[used]), np.log(values[used])
+        line, covariance = np.polyfit(x, y, 1, cov="unscaled")
+        rest = y - np.polyval(line, x)
+        variance = covariance[0, 0] * float(rest @ rest) / (len(x) - 2)
+        found.append((-float(line[0]), 2 * math.sqrt(variance)))
+    (exponent, error), (other, _) = found
+    return exponent, math.hypot(error, exponent - other)
+
+
+def _meetings(end: FrontEnd, part: _Level, inner: float) -> Iterator[Meeting]:
+    """Stations of the run that are near its end, and at which both are known."""
+    for distance, station in known_stations(end):
+        (k_range,), (spread,) = part.at(np.array([distance]))
+        if distance <= inner and math.isfinite(k_range):
+            name = end.contact.name_of(station)
+            yield Meeting(
+                name,
+                distance,
+                station.k_range,
+                station.k_range_spread,
+                float(k_range),
+                float(spread),
+            )

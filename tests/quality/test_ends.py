@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers at the free end of a front, of rows of nodes whose values are known."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from fretfe._typing import Array
+from fretfe.quality.ends import Meeting, Rows, number_at
+
+
+def rows(distance: Array, values: Array) -> Rows:
+    """Rows with a friction work per length, and nothing else that a test reads."""
+    return Rows(distance, values, *(np.zeros(len(distance)) for _ in range(5)))
+
+
+def level(size: float, power: float, error: float = 0.0) -> Rows:
+    """Rows to 2.4 that grow towards the end like distance^-power, finite on it, with an error."""
+    distance = np.arange(0.0, 2.4 + size / 2, size)
+    return rows(distance, (1 + error) * np.maximum(distance, size / 2) ** -power)
+
+
+def test_a_mean_ends_where_its_length_does() -> None:
+    """Of 3 - x the mean from 0 to .5 is 2.75, between rows or not."""
+    for distance in ([0.0, 0.2, 0.4, 0.8], [0.0, 0.5, 1.0]):
+        places = np.array(distance)
+        assert rows(places, 3.0 - places).mean("work", 0.5) == pytest.approx(2.75)
+
+
+def test_a_power_is_found_with_its_bar() -> None:
+    found = number_at("work", level(0.05, 0.3), level(0.1, 0.3), 0.6)
+    assert found.exponent == pytest.approx(0.3, abs=1e-9)
+    assert found.grows and found.exponent_spread < 1e-8
+    # The mean of x^-.3 over .6 is .6^-.3/.7; the integral of the first element is what errs.
+    exact = 0.6**-0.3 / 0.7
+    assert 0.9 * found.mean_spread < abs(found.mean - exact) < found.mean_spread < 0.05 * exact
+    assert found.largest == pytest.approx(0.025**-0.3)
+
+
+def test_what_does_not_grow_has_a_largest_value() -> None:
+    falls = number_at("work", level(0.05, -0.5), level(0.1, -0.5), 0.6)
+    assert not falls.grows and falls.largest == pytest.approx(math.sqrt(0.6))
+    # The levels have other powers: neither is known.
+    vague = number_at("work", level(0.05, 0.1), level(0.1, -0.1), 0.6)
+    assert not vague.grows
+
+
+def test_bars_are_what_levels_differ_by() -> None:
+    found = number_at("work", level(0.05, -0.5), level(0.1, -0.5, error=0.1), 0.6)
+    assert found.largest_spread == pytest.approx(0.1 * math.sqrt(0.6))
+    assert found.mean_spread == pytest.approx(0.1 * found.mean, rel=0.2)
+
+
+def test_few_rows_have_no_power() -> None:
+    few = rows(np.array([0.0, 0.1, 0.2]), np.array([3.0, 2.0, 1.0]))
+    found = number_at("work", few, few, 0.2)
+    assert math.isnan(found.exponent) and not found.grows
+
+
+@pytest.mark.parametrize(("part", "agrees"), [(104.0, True), (107.0, False)])
+def test_a_meeting_counts_both_bars(part: float, agrees: bool) -> None:
+    assert Meeting("main.1.3", 0.5, 100.0, 3.0, part, 4.0).agrees is agrees

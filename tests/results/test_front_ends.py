@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Free ends of fronts, by name and by place."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases.solid_runs import stationed_sphere
+
+from fretfe.errors import CaseError
+from fretfe.results.front_ends import end_near, find_end, free_ends, known_ranges
+from fretfe.results.model import Result
+
+LENGTH = 3.0
+
+
+def straight(*, mirrored: bool) -> Result:
+    """A straight front of length 3 along x with 12 stations; the bodies go on at its end or not."""
+    result = stationed_sphere()
+    (contact,) = result.contacts
+    (front,) = contact.fronts
+    arcs = (np.arange(12) + 0.5) * LENGTH / 12
+    stations = []
+    for station, arc in zip(front.stations, arcs, strict=True):
+        frame = replace(station.frame, along=np.array([1.0, 0.0, 0.0]))
+        to_end = arc if mirrored else min(arc, LENGTH - arc)
+        stations.append(
+            replace(
+                station,
+                frame=frame,
+                point=np.array([arc, 0.0, 0.0]),
+                arc=arc,
+                to_end=to_end,
+                end=to_end < 0.5,
+                k_range=10.0 - arc,
+                k_range_spread=0.1,
+            )
+        )
+    opened = replace(front, stations=tuple(stations), closed=False, length=LENGTH)
+    return replace(result, contacts=(replace(contact, fronts=(opened,)),))
+
+
+def test_both_ends_have_names_and_places() -> None:
+    result = straight(mirrored=False)
+    start, end = free_ends(result)
+    assert (start.name, end.name) == ("main.1.start", "main.1.end")
+    np.testing.assert_allclose(start.point, 0.0, atol=1e-12)
+    np.testing.assert_allclose(end.point, [LENGTH, 0.0, 0.0])
+    np.testing.assert_array_equal(end.into, [-1.0, 0.0, 0.0])
+    assert end.station.number == 11
+    near = end_near(result, np.array([2.9, 0.3, 0.0]))
+    assert near is not None and near.name == end.name
+
+
+def test_ranges_are_those_of_stations_with_a_meaning() -> None:
+    end = find_end(straight(mirrored=False), "main.1.end")
+    assert end is not None
+    distance, k_range, spread = known_ranges(end)
+    # Two stations at each end are too near to it.
+    np.testing.assert_allclose(distance, (np.arange(2, 10) + 0.5) / 4)
+    np.testing.assert_allclose(k_range, 10.0 - (LENGTH - distance))
+    np.testing.assert_array_equal(spread, 0.1)
+
+
+def test_what_is_no_free_end() -> None:
+    result = straight(mirrored=True)
+    assert [each.name for each in free_ends(result)] == ["main.1.start"]
+    with pytest.raises(
+        CaseError, match=r"one of the free ends main\.1\.start, found 'main\.1\.end'"
+    ):
+        find_end(result, "main.1.end")
+    assert find_end(result, "main.1.3") is None
+    closed = stationed_sphere()
+    assert math.isinf(closed.contacts[0].fronts[0].stations[0].to_end)
+    assert end_near(closed, np.zeros(3)) is None
+    with pytest.raises(CaseError, match=r"free ends \(none\)"):
+        find_end(closed, "main.1.start")

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The free end of a front by two sub-models that the run of the whole drives."""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fretfe.case import changed, parse_case
+from fretfe.cli.exchange import submodel
+from fretfe.errors import CaseError
+from fretfe.exchange.submodel import told, write_submodel
+from fretfe.mesh.load import made_mesh
+from fretfe.quality.ends import rows_at
+from fretfe.results.front_ends import FrontEnd, free_ends, known_ranges
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+from fretfe.runner import Runner
+
+LENGTH = 3.0
+BODIES = ("upper", "lower")
+
+
+def pad(layers: int, end_size: float | None = None) -> dict[str, object]:
+    """A pad on a block, pressed and sheared in eight steps; its middle is a plane of symmetry."""
+    sizes = {"upper_radius": 50, "upper_width": 3, "lower_radius": 0, "lower_width": 3}
+    solid = {"length": LENGTH, "layers": layers} | ({"end_size": end_size} if end_size else {})
+    top = {"type": "platen", "boundary": "upper_top", "control": "force"}
+    values = [300.0, -300.0, 300.0]
+    shear = [{"hold": True, "until": 1.0}, {"times": [2, 3, 4], "values": values}]
+    middle = {f"{name}_middle": {"boundary": f"{name}_front", "fix": ["z"]} for name in BODIES}
+    return {
+        "geometry": {
+            "template": "cylinder",
+            "parameters": {**sizes, "size": 0.1},
+            "solid": solid,
+        },
+        "bodies": {name: {"young": 210e3, "poisson": 0.3} for name in BODIES},
+        "contacts": {
+            "main": {"surface1": "upper_contact", "surface2": "lower_contact", "friction": 0.4}
+        },
+        "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}, **middle},
+        "loads": {
+            "press": top
+            | {"direction": "y", "history": [{"ramp": -1800.0, "until": 1.0, "steps": 2}]},
+            "shear": top | {"direction": "x", "history": shear},
+        },
+        "cycle": {"start": 2.0, "end": 4.0},
+        "edges": {"local": False, "stations": 12},
+        "output": {"fields": "all"},
+    }
+
+
+@pytest.fixture(scope="module")
+def runner() -> Runner:
+    return Runner.find("fem")
+
+
+@pytest.fixture(scope="module")
+def whole(runner: Runner, tmp_path_factory: pytest.TempPathFactory) -> Result:
+    """With layers of a third of its length, half of what the contact is wide."""
+    folder = tmp_path_factory.mktemp("whole") / "run"
+    runner.run(parse_case(pad(3)), folder)
+    return load_result(folder)
+
+
+def free_end(result: Result, side: float) -> FrontEnd:
+    """The free end of the front on one side of the pad."""
+    (end,) = [each for each in free_ends(result) if each.point[0] * side > 0]
+    return end
+
+
+def test_the_part_is_fine_towards_its_end(whole: Result, tmp_path: Path) -> None:
+    ends = list(free_ends(whole))
+    # At the plane of symmetry there is none.
+    assert len(ends) == 2
+    for end in ends:
+        np.testing.assert_allclose(end.point[1:], 0.0, atol=0.01)
+        np.testing.assert_allclose(end.into, [0.0, 0.0, 1.0], atol=0.05)
+    found = write_submodel(whole, ends[0].name, tmp_path)
+    fine, coarse = found.cases
+    part, solid, twice = fine.geometry.part, fine.geometry.solid, coarse.geometry.solid
+    assert part is not None and solid is not None and twice is not None
+    np.testing.assert_allclose(part.centre, ends[0].point, atol=1e-5)
+    assert part.radius == found.radius == pytest.approx(ends[0].station.depth, rel=5e-3)
+    assert (fine.geometry.parameters["size"], coarse.geometry.parameters["size"]) == (0.05, 0.1)
+    for each, times in ((solid, 1), (twice, 2)):
+        equal = LENGTH / each.layers
+        assert each.layers == math.ceil(12 * LENGTH / (times * part.radius))
+        # Elements across a contact of .57 are longer than a twelfth of it.
+        assert each.end_size == pytest.approx(min(times * ends[0].station.size, equal), rel=5e-3)
+    # What is left of the free faces bears nothing, and is held by nothing.
+    mesh = made_mesh(fine)
+    assert {"upper_back", "lower_back"} <= {
+        name for body in mesh.bodies.values() for name in body.boundaries
+    }
+    assert not fine.supports and set(fine.loads) == {"upper_cut", "lower_cut"}
+    assert "around the free end main.1" in "\n".join(told(found, "mm"))
+
+
+def test_what_is_no_end_of_layers(whole: Result, tmp_path: Path) -> None:
+    end = next(free_ends(whole))
+    other = end.name.replace("start", "nd").replace("end", "start").replace("nd", "end")
+    with pytest.raises(CaseError, match="expected one of the free ends main"):
+        write_submodel(whole, other, tmp_path)
+    refined = replace(whole, case=changed(whole.case, {"edges.tolerance": 0.1}))
+    with pytest.raises(CaseError, match=r"--size: expected that of the elements across"):
+        write_submodel(refined, end.name, tmp_path)
+    assert whole.directory is not None
+    with pytest.raises(CaseError, match="--run: expected a free end"):
+        submodel(whole.directory, "main", tmp_path, radius=1.5, solve=True)
+
+
+@pytest.mark.slow
+def test_numbers_at_the_end_are_those_of_a_fine_run(
+    whole: Result, runner: Runner, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Of the whole in one piece with thin layers, within the bars of the sub-models."""
+    assert whole.directory is not None
+    end = free_end(whole, -1.0)
+    submodel(whole.directory, end.name, tmp_path, solve=True, length=0.2)
+    assert f"Free end {end.name}" in capsys.readouterr().out
+    found = json.loads((tmp_path / "end.json").read_text("utf-8"))
+    assert (tmp_path / "end.png").is_file()
+    fine = runner.run(parse_case(pad(24, 0.05)), tmp_path / "fine")
+    reference = free_end(fine, -1.0)
+    rows = rows_at(fine, reference, 0.4)
+    for name in ("work", "slip_range", "density", "pressure", "shear"):
+        number = found["numbers"][name]
+        assert abs(number["mean"] - rows.mean(name, 0.2)) <= number["mean_spread"], name
+        assert number["mean_spread"] < 0.15 * number["mean"], name
+    distance, k_range, spread = known_ranges(reference)
+    at = np.interp(found["distance"], distance, k_range)
+    bars = np.hypot(found["k_range_spread"], np.interp(found["distance"], distance, spread))
+    assert len(at) >= 3 and (np.abs(found["k_range"] - at) <= bars).all()
+    assert found["meetings"] and all(each["agrees"] for each in found["meetings"])
