@@ -21,31 +21,13 @@ import pytest
 PETSC_DEPRECATION = "PETSc DEPRECATION WARNING"
 TESTS = Path(__file__).parent
 FEM_TESTS = [TESTS / name for name in ("fem", "system")]
-# NumPy and SciPy alone; single files elsewhere say so themselves.
-FORMULA_TESTS = [
-    TESTS / name for name in ("analytic", "contact", "halfplane", "idealise", "materials")
-]
 # What PyVista or Gmsh draws or does, in files that also run where they are missing.
 PICTURE_TESTS = [
     TESTS / "report" / f"test_{name}.py"
     for name in ("pictures", "pictures_solids", "pictures_stress", "page_solids")
 ]
 PICTURE_TESTS += [TESTS / "results" / "test_writer_solids.py", TESTS / "project" / "test_start.py"]
-# One cross-section of what Python libraries do that Debian has in versions of its own: pydantic and
-# typer; h5py, pandas and xarray; Matplotlib; and what its compiler makes of the C++ code.
-LIBRARY_TESTS = [TESTS / name for name in ("case", "cli", "report", "surface", "_core")]
-LIBRARY_TESTS += [
-    *(TESTS / "exchange" / "test_export.py", TESTS / "results" / "test_reader_messages.py"),
-    *(TESTS / "evaluate" / "test_surface_stress.py", TESTS / "test_runner_restart.py"),
-    *(TESTS / "test_environment.py", TESTS / "system" / "test_reference_numbers.py"),
-]
-PLACES = {
-    "fem": FEM_TESTS,
-    "whole": FEM_TESTS[1:],
-    "formula": FORMULA_TESTS,
-    "libraries": LIBRARY_TESTS,
-    "pictures": PICTURE_TESTS,
-}
+PLACES = {"fem": FEM_TESTS, "pictures": PICTURE_TESTS}
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
 # Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
 MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)

@@ -14,8 +14,6 @@ from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.growth import Growth, zone_growth
 
-pytestmark = pytest.mark.formula
-
 # Q/(f P) at the reversals; the last half cycle is the largest.
 PATHS = {
     # The last point goes beyond the first one, from where on slip is that of first loading.

@@ -16,8 +16,6 @@ from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.analytic.profiles import FlatRounded, Profile, edge_factor_k_n
 from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis, analyse_tractions
 
-pytestmark = pytest.mark.formula
-
 
 @dataclass(frozen=True)
 class Sampled:

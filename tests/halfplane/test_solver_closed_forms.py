@@ -15,8 +15,6 @@ from fretfe.analytic.profiles import FlatRounded, Wedge
 from fretfe.evaluate.contacts import Contact
 from fretfe.idealise import HalfPlaneProblem
 
-pytestmark = pytest.mark.formula
-
 STEPS = 24
 WEDGE, FLAT = Wedge(0.01, 100.0), FlatRounded(0.5, 20.0, 100.0)
 

@@ -20,8 +20,6 @@ from fretfe.quality.loading import FRICTION, MESH, SLOPE
 from fretfe.quality.solids import PAD_MESH, hertz_ellipse
 from fretfe.quality.verification import benchmarks, controls, run_benchmark
 
-pytestmark = pytest.mark.formula
-
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks()}
 CONTROLS = {control.name: control for control in controls()}
 # What half-planes do not take, with a word of the reason.

@@ -34,8 +34,6 @@ from fretfe.evaluate.plane.section import (
     resultants,
 )
 
-pytestmark = pytest.mark.formula
-
 # --- patches and resultants
 
 

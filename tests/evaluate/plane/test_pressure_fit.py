@@ -24,8 +24,6 @@ from fretfe._typing import Array
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge, edge_factor_k_n
 
-pytestmark = pytest.mark.formula
-
 
 def projected(nodes: Array, function_of: Hertz) -> Array:
     """L2 projection of the Hertz pressure on the hats of the nodes inside the contact."""

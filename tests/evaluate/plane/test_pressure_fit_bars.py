@@ -10,8 +10,6 @@ from cases.halfplane_problems import HERTZ, PRESS_STEPS, problem, solved
 from fretfe._typing import Array
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, edge_factor_k_n
 
-pytestmark = pytest.mark.formula
-
 # Loads that stay, or a cycle in which edges travel over elements of one size.
 STATES = 24
 CYCLE = 8

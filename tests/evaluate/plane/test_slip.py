@@ -33,9 +33,6 @@ def border_at(x: Array, slip: Array, slipping: Bools, edge: float, side: Side) -
     return slip_border(front.distances(x, edge), front.from_front(slip), front.from_front(slipping))
 
 
-pytestmark = pytest.mark.formula
-
-
 @both_sides
 @both_sizes
 @phases
