@@ -7,6 +7,7 @@ import ast
 import re
 import subprocess
 import sys
+from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -102,6 +103,7 @@ def layer(module: str) -> int:
     return places[0] if places else -1
 
 
+@cache
 def imported(source: str) -> set[str]:
     """Return the full names of all modules that a source imports, inside functions too."""
     names: set[str] = set()
