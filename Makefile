@@ -28,10 +28,10 @@ export PYTEST_ADDOPTS := -o faulthandler_exit_on_timeout=true
 # A stage in which nothing is collected fails: pytest then exits with 5.
 PYTEST := $(ONE_THREAD) $(BIN)/pytest
 # The tests of one file stay in one process: they share what they solve.
-SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile
-# Further conditions on the markers of the tests in the first stage, as "and not formula".
-WITHOUT ?=
-SLOW_LIMITS := --timeout=1800 -o faulthandler_timeout=1860 --durations=20
+# Files begin in the order of tests/conftest.py: those that take longest come first.
+SHARED_OUT := --numprocesses=auto --maxprocesses=4 --dist=loadfile --no-loadscope-reorder
+# The tests of `make test`, by their markers; slow ones may take half an hour each.
+CHOSEN ?= $(if $(call is_set,$(CI) $(SLOW)),,not slow)
 
 # The Debian of `make test-debian` and `make deb`; FRESH=1 does without the system of the last time.
 SUITE ?= trixie
@@ -53,13 +53,9 @@ campaign: .venv/.installed  ## error bars of 400 irregular histories beside exac
 	    $(ONE_THREAD) PYTHONPATH=tests $(BIN)/python -m campaign $$which; done
 
 test: .venv/.installed  ## all tests on 1 rank, those marked mpi on 2; the slow ones if CI or SLOW is set
-	$(PYTEST) $(SHARED_OUT) -m "not slow $(WITHOUT)"
+	$(PYTEST) $(SHARED_OUT) -o faulthandler_timeout=1860 --durations=20 -m "$(CHOSEN)"
 	$(ONE_THREAD) $(BIN)/mpirun -n 2 $(BIN)/pytest tests/fem tests/system -m "mpi and not slow" \
 	    -p no:cacheprovider --timeout-method=thread </dev/null
-ifneq ($(call is_set,$(CI) $(SLOW)),)
-	$(PYTEST) $(SHARED_OUT) $(SLOW_LIMITS) -m "slow and not speed"
-	$(PYTEST) tests/system $(SLOW_LIMITS) -m speed
-endif
 
 test-light: .venv-light/.installed  ## the tests of the parts without DOLFINx, in .venv-light
 	$(ONE_THREAD) $(LIGHT)/pytest $(SHARED_OUT) -m "not fem and not slow"

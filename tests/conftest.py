@@ -28,6 +28,20 @@ PICTURE_TESTS = [
 ]
 PICTURE_TESTS += [TESTS / "results" / "test_writer_solids.py", TESTS / "project" / "test_start.py"]
 PLACES = {"fem": FEM_TESTS, "pictures": PICTURE_TESTS}
+# Each takes a process a minute or so: they begin first, so that at the end none is waited for.
+LONGEST = [
+    TESTS / f"{name}.py"
+    for name in (
+        *("system/test_demos", "system/test_pages", "system/test_sphere", "fem/test_refine_solids"),
+        *("system/test_speed", "system/test_campaign", "system/test_plane_in_space"),
+        *("system/test_sphere_fronts", "system/test_ellipsoid_and_cylinder", "system/test_verify"),
+        *("system/test_campaign_solids", "system/test_faults", "system/test_soak"),
+        *("fem/test_interaction_integral_fronts", "project/test_packages"),
+        *("cli/test_laboratory_verify", "campaign/test_first_jobs"),
+    )
+]
+# A slow test that hangs is ended after so many seconds.
+SLOW_TIMEOUT = 1800
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
 # Set by the launchers of MPICH and Open MPI; asking MPI itself would need mpi4py.
 MPI_SIZE = int(os.environ.get("PMI_SIZE") or os.environ.get("OMPI_COMM_WORLD_SIZE") or 1)
@@ -137,10 +151,14 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     for item in items:
         for marker in markers_of(item.path):
             item.add_marker(marker)
+        if item.get_closest_marker("slow") and not item.get_closest_marker("timeout"):
+            item.add_marker(pytest.mark.timeout(SLOW_TIMEOUT))
         if item.get_closest_marker("mpi") and not item.get_closest_marker("fem"):
             raise pytest.UsageError(
                 f"{item.nodeid}: expected tests for several ranks in fem or system"
             )
+    places = {file: place for place, file in enumerate(LONGEST)}
+    items.sort(key=lambda item: places.get(item.path, len(places)))
 
 
 @pytest.hookimpl(wrapper=True)

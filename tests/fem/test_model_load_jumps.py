@@ -34,7 +34,7 @@ DOVETAIL = Path(__file__).parents[2] / "demos" / "dovetail_solid.toml"
 JUMPS = 60
 HISTORY = [{"ramp": 1.0, "until": 1.0, "steps": 1}]
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 
 def loads(boundary: str, centre: list[float], **directions: str) -> Data:

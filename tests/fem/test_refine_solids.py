@@ -131,7 +131,6 @@ def test_solids_of_a_cad_file_begin_with_an_element_size(step: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1800)
 def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
     data = cad_tables(step, size=0.5)
     data["edges"] = {"tolerance": 0.05, "stations": 12, "unknowns": 150_000}
@@ -150,7 +149,6 @@ def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.timeout(1800)
 def test_sphere_until_the_limit() -> None:
     """A mesh with too many unknowns is not solved; what the one before gave is kept."""
     data = tables(FRICTION, shear=cycles())

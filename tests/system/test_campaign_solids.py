@@ -9,7 +9,7 @@ from campaign.judge import Judged
 from campaign.judge_solids import SOLID_QUANTITIES, judge_solid
 from campaign.tables import RESOLVED_SOLIDS, tables
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 # A coarse ellipsoid on which half of the stations are not known, and a sphere;
 # `python -m campaign solids` has all.

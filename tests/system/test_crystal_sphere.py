@@ -20,7 +20,7 @@ from fretfe.case import parse_case
 from fretfe.materials.moduli import contact_modulus
 from fretfe.results.model import Result
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 NICKEL = {"elastic": {"cubic": [252e3, 161e3, 131e3]}}
 # Radii of the contact in the three steps.

@@ -19,7 +19,7 @@ Solve = Callable[[Data], Result]
 
 YOUNG, FRICTION = 2e5, 0.5
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 
 def tables(template: str, poisson: float, loads: dict[str, Data], **parameters: float) -> Data:

@@ -38,7 +38,7 @@ PEAK = 3 * FORCE / (2 * np.pi)
 SHEAR = 0.4 * FRICTION * FORCE
 CYCLES, RISE, STEPS = 6, 4, 12
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 
 def lines(growth: float, fine: int) -> Array:

@@ -20,7 +20,6 @@ ATTEMPTS = 3
 
 
 @pytest.mark.slow
-@pytest.mark.speed
 @pytest.mark.parametrize(
     ("h", "growth", "limit"), [(0.02, 0.15, 8.0), (0.005, 0.05, 3.2)], ids=["h .02", "h .005"]
 )

@@ -40,7 +40,7 @@ HOLD = [{"hold": True, "until": 1.0}]
 RISE, TURN, HALF = 4, 12, 0.5
 ANGLES = 2 * np.pi * np.concatenate([np.zeros(RISE), np.arange(1, TURN + 1) / TURN])
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 
 def geometry(size: float, width: float) -> Data:

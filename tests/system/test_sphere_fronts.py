@@ -14,7 +14,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.results.model import Result
 
-pytestmark = [pytest.mark.slow, pytest.mark.timeout(1800)]
+pytestmark = pytest.mark.slow
 
 K_N = PEAK * np.sqrt(2)
 # ΔK of a bonded circle under the range of Q.
