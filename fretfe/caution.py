@@ -274,6 +274,13 @@ class Kind(StrEnum):
         "half-planes leave out the shear by it, which falls with the size of the bodies; use the "
         "backend 'fem'",
     )
+    FRICTION_VARIES = (
+        "friction varies",
+        "friction varies within slip zones",
+        "the coefficient changes by more than 2 % over a slip zone or within the evaluated cycle",
+        "slip zones are predicted with the coefficient at the edge in the last step of the cycle; "
+        "those of the tractions hold",
+    )
     # Of an edge as the target of tests, by `fretfe match`.
     TARGET_UNSTEADY = (
         "target not steady",

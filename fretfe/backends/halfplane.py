@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import chain
@@ -17,6 +17,7 @@ from fretfe.evaluate.evaluate import evaluate, unknown_contacts, with_patches
 from fretfe.evaluate.limits import (
     ModelLimit,
     contact_limits,
+    friction_limits,
     unlike_notes,
     with_limit_warnings,
 )
@@ -83,12 +84,17 @@ def size_limits(contact: Contact, problem: HalfPlaneProblem) -> Iterator[ModelLi
 
 
 def _limits(
-    case: Case, solution: Solution, contacts: Iterable[Contact], problem: HalfPlaneProblem
+    case: Case, solution: Solution, contacts: Sequence[Contact], problem: HalfPlaneProblem
 ) -> tuple[ModelLimit, ...]:
     """Limits of the model, of the contacts and of the size of the bodies."""
     bodies, plane = case.bodies, case.model.plane
     own = (limit for each in solution.contacts for limit in contact_limits(bodies, plane, each))
-    return (*own, *chain.from_iterable(size_limits(each, problem) for each in contacts))
+    rough = (
+        limit
+        for contact, history in zip(contacts, solution.contacts, strict=True)
+        for limit in friction_limits(contact, history, solution.cycle)
+    )
+    return (*own, *rough, *chain.from_iterable(size_limits(each, problem) for each in contacts))
 
 
 class HalfPlaneBackend(Backend):

@@ -4,8 +4,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from pathlib import PurePath
 from typing import Annotated, Any, Literal, Self
 
@@ -62,6 +63,25 @@ class Table(BaseModel):
     """A table of the case file: read once, never changed, no unknown keys."""
 
     model_config = ConfigDict(frozen=True, extra="forbid")
+
+
+def require_increasing(name: str, places: Sequence[float], values: Sequence[float]) -> None:
+    """Check that there are as many values as times or places, and that these increase.
+
+    Raises:
+        ValueError: with the first ones that do not.
+    """
+    if len(places) != len(values):
+        raise ValueError(
+            f"expected as many values as {name}, found {len(places)} {name} and {len(values)} "
+            "values"
+        )
+    for number, (before, after) in enumerate(pairwise(places), 1):
+        if after <= before:
+            raise ValueError(
+                f"expected strictly increasing {name}, found {before:g} followed by {after:g} "
+                f"(items {number} and {number + 1})"
+            )
 
 
 def _normalised(vector: tuple[float, ...]) -> tuple[float, ...]:

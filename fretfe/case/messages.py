@@ -23,6 +23,7 @@ from fretfe.case.bodies import (
     Orientation,
     Orthotropic,
 )
+from fretfe.case.friction import VARYING
 from fretfe.case.loads import LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
 from fretfe.case.segments import KINDS
@@ -62,6 +63,7 @@ NESTED: dict[tuple[str | int, ...], type[Table]] = {
 LONGEST = 60
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
 TAGGED |= {ISOTROPIC: Body, CRYSTAL: Crystal}
+TAGGED |= {f"{TAG}{key}:friction": table for key, table in VARYING.items()}
 OF_CRYSTALS: dict[str | int, type[Table]] = {
     "elastic": Elastic,
     "orthotropic": Orthotropic,
@@ -177,7 +179,9 @@ def _problem(detail: ErrorDetails, top: type[Table]) -> Problem:
     if not isinstance(detail["input"], Mapping):
         return Problem(key, f"expected a table, found {found(detail['input'])}")
     if "history" in key[2:]:
-        return Problem(key, _no_segment(detail["input"]))
+        return Problem(key, _without("one of the keys", KINDS, detail["input"]))
+    if key[0] == "contacts":
+        return Problem(key, _without("a number or one of the keys", VARYING, detail["input"]))
     return Problem((*key, "type"), _no_load_type(detail["input"]))
 
 
@@ -262,10 +266,11 @@ def _no_load_type(load: Mapping[str, Any]) -> str:
     )
 
 
-def _no_segment(segment: Mapping[str, Any]) -> str:
-    near = [match for name in segment for match in get_close_matches(name, KINDS, n=1)]
+def _without(expected: str, keys: Iterable[str], table: Mapping[str, Any]) -> str:
+    """A table has none of the keys that tell of which kind it is."""
+    near = [match for name in table for match in get_close_matches(name, keys, n=1)]
     hint = f"; did you mean {near[0]!r}?" if near else ""
-    return f"expected one of the keys {', '.join(map(repr, KINDS))}, found {found(segment)}{hint}"
+    return f"expected {expected} {', '.join(map(repr, keys))}, found {found(table)}{hint}"
 
 
 def _not_among(expected: str, value: Any) -> str:

@@ -156,6 +156,9 @@ def named_files(case: Case) -> dict[Key, Path]:
         tables.append((("loads", name), load))
         segments = enumerate(load["history"])
         tables += [(("loads", name, "history", number), each) for number, each in segments]
+    for name, contact in data["contacts"].items():
+        if isinstance(contact["friction"], dict):
+            tables.append((("contacts", name, "friction"), contact["friction"]))
     return {
         (*key, name): case.resolve(table[name]).absolute()
         for key, table in tables

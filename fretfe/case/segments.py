@@ -7,7 +7,17 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fretfe.case.base import MOST_STEPS, TAG, Count, NotNegative, Number, Positive, Table, Text
+from fretfe.case.base import (
+    MOST_STEPS,
+    TAG,
+    Count,
+    NotNegative,
+    Number,
+    Positive,
+    Table,
+    Text,
+    require_increasing,
+)
 
 
 class Ramp(Table):
@@ -60,17 +70,7 @@ class Points(Table):
 
     @model_validator(mode="after")
     def _matching_and_increasing(self) -> Self:
-        if len(self.times) != len(self.values):
-            raise ValueError(
-                "expected as many values as times, "
-                f"found {len(self.times)} times and {len(self.values)} values"
-            )
-        for number, (before, after) in enumerate(zip(self.times, self.times[1:], strict=False), 1):
-            if after <= before:
-                raise ValueError(
-                    "expected strictly increasing times, "
-                    f"found {before:g} followed by {after:g} (items {number} and {number + 1})"
-                )
+        require_increasing("times", self.times, self.values)
         return self
 
 

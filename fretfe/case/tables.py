@@ -24,6 +24,7 @@ from fretfe.case.base import (
     Vector,
     file_problem,
 )
+from fretfe.case.friction import Friction, OverArc, OverTime
 
 Plane = Literal["strain", "stress"]
 
@@ -167,7 +168,10 @@ class Contact(Table):
     surface2: Text = Field(
         description="Physical group of the surface on body 2. The reported shear acts on body 2."
     )
-    friction: NotNegative = Field(description="Coulomb friction coefficient; >= 0.")
+    friction: Friction = Field(
+        description="Coulomb friction coefficient, >= 0: a number, or a table over time or along "
+        "the surface."
+    )
     friction_from: NotNegative = Field(
         default=0.0,
         description="Time after which friction acts: steps up to and including this time are "
@@ -178,6 +182,13 @@ class Contact(Table):
         description="Surface that carries the unknown contact tractions: the one with the finer "
         'mesh at the contact ("finer"), "surface1" or "surface2".',
     )
+
+    @property
+    def rough(self) -> bool:
+        """True if there may be friction at some time and place."""
+        if isinstance(self.friction, float):
+            return self.friction > 0
+        return not isinstance(self.friction, OverArc | OverTime) or any(self.friction.values)
 
 
 # Depths at which the stress is written; far more than a figure can show.

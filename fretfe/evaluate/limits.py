@@ -41,6 +41,8 @@ LARGEST_STRAIN = 0.02
 DOUBTED = (1e-5, 0.1)
 # Limits beyond which units may be wrong.
 CHECK_UNITS = (Kind.PRESSURE, Kind.SLOPE, Kind.STRETCH)
+# Slip zones are as long as the mean of f over them is small: their formulas take that at the edge.
+EVEN_FRICTION = 0.02
 # Gap that sliding along turned surfaces opens, over the approach of the bodies.
 LARGEST_GAP = 0.01
 FOLLOWED = (
@@ -158,6 +160,33 @@ def contact_limits(
         "largest pressure over the plane modulus",
         extent.pressure / modulus,
         LARGEST_STRAIN,
+    )
+
+
+def friction_limits(
+    contact: Contact, history: ContactHistory, cycle: tuple[int, int] | None
+) -> Iterator[ModelLimit]:
+    """Change of the coefficient over the slip zones and the cycle, where it is not the same."""
+    first, last = cycle or (0, len(history.status) - 1)
+    fields = history.friction.at(slice(first + 1, last + 1))
+    fields = fields[fields.any(axis=1)]
+    if not fields.size or fields.min() == fields.max():
+        return
+    places = history.surface.points if contact.solid else history.surface.arc[:, None]
+    changes = [0.0]
+    for station in contact.stations:
+        place = station.point if contact.solid else np.array([station.position[last]])
+        zones = [(each.length, each.prediction) for each in station.slip_zones]
+        away = np.linalg.norm(places - place, axis=1)
+        near = away <= max(np.nanmax(zones, initial=0.0), np.nanmin(away, initial=math.inf))
+        if station.friction > 0 and near.any():
+            changes.append(float(np.ptp(fields[:, near])) / station.friction)
+    yield ModelLimit(
+        contact.name,
+        Kind.FRICTION_VARIES,
+        "change of friction over the slip zones and the cycle, over that at the edge",
+        max(changes),
+        EVEN_FRICTION,
     )
 
 

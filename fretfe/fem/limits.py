@@ -21,7 +21,13 @@ from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.contacts import Contact
-from fretfe.evaluate.limits import ContactExtent, ModelLimit, contact_extent, contact_limits
+from fretfe.evaluate.limits import (
+    ContactExtent,
+    ModelLimit,
+    contact_extent,
+    contact_limits,
+    friction_limits,
+)
 from fretfe.evaluate.loaded import NO_LOAD
 from fretfe.evaluate.resultants import SMALLEST_SHEAR, shear_direction
 from fretfe.evaluate.slip import cycle_states
@@ -148,6 +154,7 @@ def model_limits(
     for history in solution.contacts:
         pair = pairs[history.pair]
         limits += contact_limits(model.case.bodies, model.case.model.plane, history)
+        limits += friction_limits(summaries[history.name], history, solution.cycle)
         limits += _dissimilar(model.case, history)
         limits += _at_other_temperatures(model, history, solution)
         extent = contact_extent(history)

@@ -282,7 +282,7 @@ def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
         amplitudes=np.array(amplitudes).reshape(-1, count).T,
         values=np.array(moved).reshape(-1, count).T,
         friction=tuple(
-            Friction.of(case.contacts[pair.name], history.times, pair.coupling.surface)
+            Friction.of(case, pair.name, history.times, pair.coupling.surface)
             for pair in reduction.pairs
         ),
         within=lambda steps, shares: step_loads(case, history.divided(steps, shares), reduction),

@@ -218,7 +218,7 @@ def _crystal_obstacles(case: Case) -> Iterator[str]:
             "the other: the normal of the surface is no axis of symmetry"
         )
     beta = dissimilarity(*pair, case.model.plane, NORMAL)
-    if beta > SIMILAR and any(contact.friction > 0 for contact in case.contacts.values()):
+    if beta > SIMILAR and any(contact.rough for contact in case.contacts.values()):
         yield (
             "bodies: expected crystals that are elastically similar (Dundurs' beta, generalised, "
             f"up to {SIMILAR:g}), found {beta:.3g}: pressure and shear depend on each other"
@@ -249,7 +249,7 @@ def coupled_beta(case: Case, contact: str, body1: str, body2: str) -> float:
     Zero without friction, and of crystals, whose coupling is not counted.
     """
     pair = case.bodies[body1], case.bodies[body2]
-    if case.contacts[contact].friction == 0 or not all(isotropic(each) for each in pair):
+    if not case.contacts[contact].rough or not all(isotropic(each) for each in pair):
         return 0.0
     beta = dissimilarity(*pair, case.model.plane, NORMAL)
     return beta if abs(beta) > ROUND_OFF else 0.0

@@ -30,9 +30,9 @@ from fretfe.idealise.bodies import (
 )
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
+from fretfe.loads.friction import coefficients, varying
 from fretfe.materials.moduli import plane_modulus
 from fretfe.mesh.templates import check_parameters, find_template
-from fretfe.surface.friction import coefficients
 
 TOP = "upper_top"
 BOTTOM = "lower_bottom"
@@ -86,13 +86,21 @@ def loading_obstacles(case: Case) -> Iterator[str]:
     held = _held_sides(case)
     if len(sides) > 1 or any(OTHER_SIDE[side] not in held for side in sides):
         yield "loads: expected bulk tension on one side of the block and the other side fixed in x"
-    rough = any(contact.friction > 0 for contact in case.contacts.values())
+    yield from _friction_obstacles(case)
+    rough = any(contact.rough for contact in case.contacts.values())
     if (sides or (rough and _only_held_side(case))) and not _has_shear_load(case):
         found = "the bulk tension" if sides else "the support of one side"
         yield (
             f"loads: expected a force on {TOP!r} in x as well as {found} (0 will do): "
             "without one the shear force is an unknown reaction"
         )
+
+
+def _friction_obstacles(case: Case) -> Iterator[str]:
+    for name in case.contacts:
+        table = varying(case, name)
+        if table is not None and table.times is None:
+            yield f"contacts.{name}.friction: expected the same coefficient all over the surface"
 
 
 def _fixed(case: Case) -> dict[str, set[str]]:
@@ -242,14 +250,14 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     block = read_block(case.geometry.template, values, case)
     history = loads or build_history(case)
     loading = read_loading(case, history, block)
-    name, contact = next(iter(case.contacts.items()))
+    name = next(iter(case.contacts))
     problem = HalfPlaneProblem(
         contact=name,
         body1=UPPER,
         body2=LOWER,
         profile=block.profile,
         history=history,
-        friction=coefficients(contact, history.times),
+        friction=coefficients(case, name, history.times),
         normal_force=loading.normal_force,
         shear_force=loading.shear_force,
         moment=loading.moment,

@@ -15,6 +15,7 @@ from fretfe.case import Case, CsvPoints, Hold, Points, Ramp, Segment, Wave, comp
 from fretfe.case.base import MOST_STEPS
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_columns
+from fretfe.loads.friction import require_times
 
 Key = tuple[str | int, ...]
 
@@ -492,8 +493,9 @@ def build_history(case: Case) -> History:
     Raises:
         CaseError: a segment ends before it starts or does not continue the one before, a table or
             CSV file is not usable, there is no step at all, steps are too close for a history of
-            this length, or a time that the case names (friction_from, cycle, output.fields) is not
-            the time of a step. Problems of different loads are listed together.
+            this length, a time that the case names (friction_from, cycle, output.fields) is not
+            that of a step, or friction over time does not cover the history. Problems of different
+            loads are listed together.
     """
     channels: dict[str, list[Piece]] = {}
     problems: list[str] = []
@@ -511,6 +513,7 @@ def build_history(case: Case) -> History:
     _require_apart(case, channels, times[-1])
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
+    require_times(case, float(times[-1]))
     cycle = find_cycle(case, times, values, channels)
     choice = None if cycle is None else _choice(case, channels)
     return History(tuple(channels), times, values, cycle, _between(channels, times), choice)

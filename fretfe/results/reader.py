@@ -55,7 +55,7 @@ def require_shapes(group: h5py.Group, states: int, kept: int) -> None:
     """
     nodes = group["weights"].shape
     expected = {
-        "friction": ((states,), 1),
+        "friction/number": ((states,), 1),
         "points": (nodes, 2),
         "frames": (nodes, 3),
         **{name: ((kept, *nodes), 3 if last else 2) for name, last in NODAL.items()},
@@ -370,11 +370,17 @@ def _read_contact(
         body1=body1,
         body2=body2,
         surface=surface,
-        friction=Friction.uniform(group["friction"][:], len(surface.weights)),
+        friction=_friction(group["friction"], len(surface.weights)),
         **nodal,
         full_stick=full_stick,
         node_range=node_range,
     )
+
+
+def _friction(group: h5py.Group, nodes: int) -> Friction:
+    """Coefficients of a contact; those that are the same at all nodes are stored once."""
+    fields = group["fields"][:]
+    return Friction(np.broadcast_to(fields, (len(fields), nodes)), group["number"][:])
 
 
 def _stored(path: Path, dataset: h5py.Dataset, numbers: Indices, count: int) -> StateArray:

@@ -397,7 +397,10 @@ def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) 
     group.attrs.update({**names, "dundurs": contact.surface.dundurs})
     for name in NODAL:
         _write_rows(group, name, getattr(contact, name), states)
-    store(group, "friction", contact.friction.at(slice(None), 0))
+    friction = contact.friction.fields
+    same = bool((friction == friction[:, :1]).all())
+    store(group, "friction/fields", friction[:, :1] if same else friction)
+    store(group, "friction/number", contact.friction.number)
     for owner in (contact, contact.surface):
         for field in fields(owner):
             value = getattr(owner, field.name)

@@ -9,13 +9,10 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.case.tables import Contact
+from fretfe.case import Case, complaint
+from fretfe.errors import CaseError
+from fretfe.loads.friction import BEYOND, PLACES, Varying, coefficients, varying
 from fretfe.surface.contact_surface import ContactSurface
-
-
-def coefficients(contact: Contact, times: Array) -> Array:
-    """(T,) coefficient of a contact of a case in the steps that end at some times (T,)."""
-    return np.where(times > contact.friction_from, contact.friction, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,9 +31,22 @@ class Friction:
     number: Indices
 
     @classmethod
-    def of(cls, contact: Contact, times: Array, surface: ContactSurface) -> Friction:
-        """That of a contact of a case, for states at times (T,)."""
-        return cls.uniform(coefficients(contact, times), len(surface.weights))
+    def of(cls, case: Case, name: str, times: Array, surface: ContactSurface) -> Friction:
+        """That of a contact of a case, for states at times (T,).
+
+        Raises:
+            CaseError: a table does not cover the surface.
+        """
+        table = varying(case, name)
+        if table is None or table.times is not None:
+            return cls.uniform(coefficients(case, name, times), len(surface.weights))
+        try:
+            own = _along(table, surface)
+        except CaseError as error:
+            key = ("contacts", name, "friction")
+            raise CaseError(complaint(case.source, key, str(error))) from None
+        acts = times > case.contacts[name].friction_from
+        return cls(np.array([np.zeros_like(own), own]), acts.astype(np.int64))
 
     @classmethod
     def uniform(cls, coefficients: Array, nodes: int) -> Friction:
@@ -62,8 +72,9 @@ class Friction:
 
     def differs(self, other: Friction) -> Bools:
         """(T,) states in which the other one is different at some node."""
-        pairs = (self.fields[:, None] != other.fields).any(axis=2)
-        return np.asarray(pairs[self.number, other.number])
+        pairs, place = np.unique([self.number, other.number], axis=1, return_inverse=True)
+        differ = (self.fields[pairs[0]] != other.fields[pairs[1]]).any(axis=1)
+        return np.asarray(differ[place.ravel()])
 
     @property
     def acts(self) -> Bools:
@@ -74,3 +85,48 @@ class Friction:
     def largest(self) -> float:
         """Largest coefficient in any state."""
         return float(self.fields[self.number].max())
+
+
+def _along(table: Varying, surface: ContactSurface) -> Array:
+    """(N,) coefficients of a table at the nodes of a surface that it has to cover."""
+    dimension = surface.points.shape[1]
+    if table.arc is not None:
+        if dimension == 3:
+            raise CaseError("expected places x, y and z on a surface of solids, found arc lengths")
+        return _on_arc(table.arc, table.values, surface.arc)
+    assert table.points is not None
+    if table.points.shape[1] != dimension:
+        raise CaseError(
+            f"expected the columns {', '.join(PLACES[:dimension])}, found "
+            f"{', '.join(PLACES[: table.points.shape[1]])}"
+        )
+    return table.values[_nearest(table.points, surface.points)]
+
+
+def _on_arc(places: Array, values: Array, arc: Array) -> Array:
+    """(N,) values at arc lengths (N,) of the nodes, straight lines between those at some places."""
+    slack = BEYOND * float(np.ptp(arc))
+    if places[0] > arc[0] + slack or places[-1] < arc[-1] - slack:
+        raise CaseError(
+            f"expected coefficients over the whole surface, arc lengths {arc[0]:.6g} to "
+            f"{arc[-1]:.6g}, found them from {places[0]:g} to {places[-1]:g}"
+        )
+    return np.interp(arc, places, values)
+
+
+def _nearest(points: Array, nodes: Array) -> Indices:
+    """(N,) number of the point nearest to each node, none farther than points are apart."""
+    # Imported where it is needed: reports of plane contacts do without SciPy.
+    from scipy.spatial import cKDTree
+
+    tree = cKDTree(points)
+    away, nearest = tree.query(nodes)
+    gaps = tree.query(points, k=2)[0][:, 1]
+    farthest, apart = int(np.argmax(away)), float(gaps[np.isfinite(gaps)].max(initial=0.0))
+    if away[farthest] > apart:
+        place = ", ".join(f"{each:.6g}" for each in nodes[farthest])
+        raise CaseError(
+            f"expected points over the whole surface, found none nearer to ({place}) than "
+            f"{away[farthest]:.3g}, where points are up to {apart:.3g} apart"
+        )
+    return np.asarray(nearest)

@@ -118,7 +118,9 @@ def test_known_values_of_a_twin() -> None:
             return replace(RESULT, case=case)
 
     def friction(result: Result) -> float:
-        return float(result.case.contacts["main"].friction)
+        found = result.case.contacts["main"].friction
+        assert isinstance(found, float)
+        return found
 
     case, twin = loop_case(TENSION_ONLY, friction=0.303), loop_case(TENSION_ONLY, friction=0.3)
     same = Quantity("friction", np.nan, np.nan, {"stub": 0.02}, friction, of_twin=friction)

@@ -87,7 +87,9 @@ class Recording(Backend, Session):
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         radius = case.geometry.parameters["upper_radius"]
-        self.solved.append((case.contacts["main"].friction, radius))
+        friction = case.contacts["main"].friction
+        assert isinstance(friction, float)
+        self.solved.append((friction, radius))
         result = HALFPLANE.solve(case, options)
         failure = ConvergenceError("step 3 failed") if radius == 40 else None
         return replace(result, failure=failure)

@@ -203,7 +203,7 @@ def _draw_path(figure: Figure, run: Result, contact: Contact, tension: bool) -> 
     normal, shear = contact.normal_force, contact.shear_force
     _trace(panels[0], run, normal, shear)
     largest = max(float(np.max(normal)), 0.0)
-    friction = run.case.contacts[contact.pair].friction
+    friction = max((each.friction for each in contact.stations), default=0.0)
     for sign in (1, -1):
         bound = [0.0, sign * friction * largest]
         panels[0].plot([0.0, largest], bound, color=GREY, lw=0.8, ls=":")

@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Coefficients of friction of a case file that change with time or along the surface."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Discriminator, Field, Tag, model_validator
+
+from fretfe.case.base import TAG, NotNegative, Number, Table, Text, require_increasing
+
+Coefficients = Annotated[
+    tuple[NotNegative, ...],
+    Field(min_length=1, description="Coefficients, one for each; straight lines between them."),
+]
+
+
+class OverTime(Table):
+    """Coefficient over time."""
+
+    times: tuple[NotNegative, ...] = Field(
+        min_length=1, description="Times on the clock of the case, increasing."
+    )
+    values: Coefficients
+
+    @model_validator(mode="after")
+    def _increasing(self) -> Self:
+        require_increasing("times", self.times, self.values)
+        return self
+
+
+class OverArc(Table):
+    """Coefficient along the surface of a plane contact."""
+
+    arc: tuple[Number, ...] = Field(
+        min_length=2,
+        description="Arc lengths along the surface, as results have them, increasing.",
+    )
+    values: Coefficients
+
+    @model_validator(mode="after")
+    def _increasing(self) -> Self:
+        require_increasing("arc", self.arc, self.values)
+        return self
+
+
+class InFile(Table):
+    """Coefficient from the column `friction` of a CSV file, over time or along the surface."""
+
+    csv: Text = Field(
+        description="Text file with the column friction and with time, with arc, or with x, y "
+        "(and z), relative to the folder of the case file."
+    )
+    separator: Literal[",", ";", "tab", "space"] | None = Field(
+        default=None,
+        description='What stands between the cells: ",", ";", "tab" or "space"; without it that is '
+        "told from the header row.",
+    )
+
+
+VARYING: dict[str, type[Table]] = {"times": OverTime, "arc": OverArc, "csv": InFile}
+NUMBER = f"{TAG}number"
+
+
+def friction_kind(value: Any) -> str | None:
+    """Tag of a raw coefficient: that of a number, or the key that only this kind of table has."""
+    if isinstance(value, Table):
+        return next(f"{TAG}{key}:friction" for key, kind in VARYING.items() if type(value) is kind)
+    if not isinstance(value, dict):
+        return NUMBER
+    return next((f"{TAG}{key}:friction" for key in VARYING if key in value), None)
+
+
+Friction = Annotated[
+    Annotated[NotNegative, Tag(NUMBER)]
+    | Annotated[OverTime, Tag(f"{TAG}times:friction")]
+    | Annotated[OverArc, Tag(f"{TAG}arc:friction")]
+    | Annotated[InFile, Tag(f"{TAG}csv:friction")],
+    Discriminator(friction_kind),
+]
