@@ -37,6 +37,8 @@ ELASTIC = ("young", "poisson", "elastic")
 # Bytes, and characters.
 LARGEST_FILE = 1_000_000
 LONGEST_NAME = 1000
+# Coefficients of friction up to about this one are measured.
+LARGEST_FRICTION = 2.0
 
 
 class MaterialUnits(Table):
@@ -369,4 +371,14 @@ def _shown(body: Mapping[str, Any]) -> str:
 
 def case_notes(case: Case) -> tuple[str, ...]:
     """Things in a case that a reader of its results should know, in words."""
-    return (*unit_doubts(case), *case.material_notes)
+    return (*unit_doubts(case), *_friction_doubts(case), *case.material_notes)
+
+
+def _friction_doubts(case: Case) -> Iterator[str]:
+    """Coefficients of friction that nobody measures, in words."""
+    for name, contact in case.contacts.items():
+        if contact.largest_friction > LARGEST_FRICTION:
+            yield (
+                f"contacts.{name}.friction: {contact.largest_friction:g} is more than is measured, "
+                f"up to {LARGEST_FRICTION:g}"
+            )

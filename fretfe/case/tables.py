@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
@@ -24,7 +25,7 @@ from fretfe.case.base import (
     Vector,
     file_problem,
 )
-from fretfe.case.friction import Friction, OverArc, OverTime
+from fretfe.case.friction import Friction, InFile, OverArc, OverTime
 
 Plane = Literal["strain", "stress"]
 
@@ -186,9 +187,17 @@ class Contact(Table):
     @property
     def rough(self) -> bool:
         """True if there may be friction at some time and place."""
-        if isinstance(self.friction, float):
-            return self.friction > 0
-        return not isinstance(self.friction, OverArc | OverTime) or any(self.friction.values)
+        return isinstance(self.friction, InFile) or self.largest_friction > 0
+
+    @property
+    def largest_friction(self) -> float:
+        """Largest coefficient; NaN if that stands in a file."""
+        match self.friction:
+            case OverTime() | OverArc():
+                return max(self.friction.values)
+            case InFile():
+                return math.nan
+        return self.friction
 
 
 # Depths at which the stress is written; far more than a figure can show.

@@ -70,7 +70,7 @@ def _in_file(case: Case, given: InFile) -> Varying:
         table.complain(int(wrong[0]), COEFFICIENT, "a coefficient >= 0")
     if len(found) > 1:
         return Varying(values, points=np.column_stack([table.columns[each] for each in found]))
-    table.require_increasing(found[0], found[0])
+    table.require_increasing(found[0], "value")
     if found == ("time",):
         return Varying(values, times=table.columns["time"])
     return Varying(values, arc=table.columns["arc"])
