@@ -37,6 +37,7 @@ from fretfe.fem.parallel import find_group, on_root, together
 from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
+from fretfe.loads.friction import read_coefficients
 from fretfe.mesh.cost import estimate_cost, refuse_too_large
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 from fretfe.surface.checks import load_mesh
@@ -282,7 +283,7 @@ def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
         amplitudes=np.array(amplitudes).reshape(-1, count).T,
         values=np.array(moved).reshape(-1, count).T,
         friction=tuple(
-            Friction.of(case, pair.name, history.times, pair.coupling.surface)
+            Friction.of(read_coefficients(case, pair.name), history.times, pair.coupling.surface)
             for pair in reduction.pairs
         ),
         within=lambda steps, shares: step_loads(case, history.divided(steps, shares), reduction),

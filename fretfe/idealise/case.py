@@ -30,7 +30,7 @@ from fretfe.idealise.bodies import (
 )
 from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
 from fretfe.loads import History, build_history
-from fretfe.loads.friction import coefficients, varying
+from fretfe.loads.friction import read_coefficients
 from fretfe.materials.moduli import plane_modulus
 from fretfe.mesh.templates import check_parameters, find_template
 
@@ -98,8 +98,7 @@ def loading_obstacles(case: Case) -> Iterator[str]:
 
 def _friction_obstacles(case: Case) -> Iterator[str]:
     for name in case.contacts:
-        table = varying(case, name)
-        if table is not None and table.times is None:
+        if not read_coefficients(case, name).even:
             yield f"contacts.{name}.friction: expected the same coefficient all over the surface"
 
 
@@ -257,7 +256,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         body2=LOWER,
         profile=block.profile,
         history=history,
-        friction=coefficients(case, name, history.times),
+        friction=read_coefficients(case, name).over(history.times),
         normal_force=loading.normal_force,
         shear_force=loading.shear_force,
         moment=loading.moment,

@@ -11,53 +11,91 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import Case, complaint
 from fretfe.case.friction import InFile, OverArc, OverTime
+from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
 
-# Columns of a file: its coefficients, and what they are over.
-COEFFICIENT, PLACES = "friction", ("x", "y", "z")
+# Column of the coefficients in a file, and those of places.
+COEFFICIENT = "friction"
+PLACES = ("x", "y", "z")
 # A surface or a history may reach this fraction of a table beyond its ends.
 BEYOND = 1e-6
 
 
 @dataclass(frozen=True)
-class Varying:
-    """A table of coefficients over one of times, arc lengths and places.
+class Coefficients:
+    """Those of a contact of a case: one, or a table over one of times, arc lengths and places.
 
     Attributes:
+        key: file and key that have them, for messages.
+        begins: time after which friction acts.
         values: (n,) coefficients.
         times: (n,) times at which they hold, with straight lines between them.
         arc: (n,) arc lengths along the surface, likewise.
         points: (n, 2 or 3) places: a node has the coefficient of the nearest one.
     """
 
+    key: str
+    begins: float
     values: Array
     times: Array | None = None
     arc: Array | None = None
     points: Array | None = None
 
+    @property
+    def even(self) -> bool:
+        """True if they are the same all over the surface."""
+        return self.arc is None and self.points is None
 
-def varying(case: Case, name: str) -> Varying | None:
-    """The table of coefficients of a contact; None for a number.
+    def over(self, times: Array) -> Array:
+        """(T,) coefficients in the steps that end at some times (T,), if they are even."""
+        found = self.values[0]
+        if self.times is not None:
+            found = np.interp(times, self.times, self.values)
+        return np.where(times > self.begins, found, 0.0)
+
+    def require_times(self, end: float) -> None:
+        """Check that those over time are given from when friction acts to the end of loading.
+
+        Raises:
+            CaseError: they are not.
+        """
+        if self.times is None:
+            return
+        first, last = self.times[[0, -1]]
+        slack = BEYOND * end
+        if first > self.begins + slack or last < end - slack:
+            raise CaseError(
+                f"{self.key}: expected coefficients from {self.begins:g}, from when friction acts, "
+                f"to {end:g}, the end of the loading, found times from {first:g} to {last:g}"
+            )
+
+
+def read_coefficients(case: Case, name: str) -> Coefficients:
+    """The coefficients of a contact.
 
     Raises:
         CaseError: a file cannot be read, or has other columns or numbers than expected.
     """
-    match case.contacts[name].friction:
+    contact, key = case.contacts[name], ("contacts", name, "friction")
+    found: dict[str, Any]
+    match contact.friction:
         case OverTime() as table:
-            return Varying(np.array(table.values), times=np.array(table.times))
+            found = {"values": np.array(table.values), "times": np.array(table.times)}
         case OverArc() as table:
-            return Varying(np.array(table.values), arc=np.array(table.arc))
+            found = {"values": np.array(table.values), "arc": np.array(table.arc)}
         case InFile() as table:
             try:
-                return _in_file(case, table)
+                found = _in_file(case, table)
             except CaseError as error:
-                key = ("contacts", name, "friction", "csv")
-                raise CaseError(complaint(case.source, key, str(error))) from None
-    return None
+                raise CaseError(complaint(case.source, (*key, "csv"), str(error))) from None
+        case number:
+            found = {"values": np.array([number])}
+    return Coefficients(f"{case.source}: {key_path(key)}", contact.friction_from, **found)
 
 
-def _in_file(case: Case, given: InFile) -> Varying:
+def _in_file(case: Case, given: InFile) -> dict[str, Array]:
+    """Coefficients, and what they are over."""
     path = case.resolve(given.csv)
     over = ("time", "arc", *PLACES)
     table = read_table(path, (COEFFICIENT,), over, given.separator)
@@ -68,51 +106,8 @@ def _in_file(case: Case, given: InFile) -> Varying:
     values = table.columns[COEFFICIENT]
     if (wrong := np.flatnonzero(values < 0)).size:
         table.complain(int(wrong[0]), COEFFICIENT, "a coefficient >= 0")
+    places = [table.columns[each] for each in found]
     if len(found) > 1:
-        return Varying(values, points=np.column_stack([table.columns[each] for each in found]))
+        return {"values": values, "points": np.column_stack(places)}
     table.require_increasing(found[0], "value")
-    if found == ("time",):
-        return Varying(values, times=table.columns["time"])
-    return Varying(values, arc=table.columns["arc"])
-
-
-def require_times(case: Case, end: float) -> None:
-    """Check that coefficients over time are given from when friction acts to the end of loading.
-
-    Raises:
-        CaseError: with all contacts for which they are not, or whose files cannot be read.
-    """
-    problems = []
-    for name, contact in case.contacts.items():
-        try:
-            table = varying(case, name)
-        except CaseError as error:
-            problems.append(str(error))
-            continue
-        if table is None or table.times is None:
-            continue
-        first, last = table.times[[0, -1]]
-        slack = BEYOND * end
-        if first > contact.friction_from + slack or last < end - slack:
-            text = (
-                f"expected coefficients from {contact.friction_from:g}, from when friction acts, "
-                f"to {end:g}, the end of the loading, found times from {first:g} to {last:g}"
-            )
-            problems.append(complaint(case.source, ("contacts", name, "friction"), text))
-    if problems:
-        raise CaseError("\n".join(problems))
-
-
-def coefficients(case: Case, name: str, times: Array) -> Array:
-    """(T,) coefficient of a contact that is the same all over its surface.
-
-    Args:
-        case: the case.
-        name: of the contact.
-        times: (T,) at which steps end.
-    """
-    contact, table = case.contacts[name], varying(case, name)
-    value: Any = contact.friction
-    if table is not None and table.times is not None:
-        value = np.interp(times, table.times, table.values)
-    return np.where(times > contact.friction_from, value, 0.0)
+    return {"values": values, "times" if found == ("time",) else "arc": places[0]}

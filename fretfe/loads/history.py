@@ -15,7 +15,7 @@ from fretfe.case import Case, CsvPoints, Hold, Points, Ramp, Segment, Wave, comp
 from fretfe.case.base import MOST_STEPS
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_columns
-from fretfe.loads.friction import require_times
+from fretfe.loads.friction import read_coefficients
 
 Key = tuple[str | int, ...]
 
@@ -513,7 +513,8 @@ def build_history(case: Case) -> History:
     _require_apart(case, channels, times[-1])
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
     check_times(case, times)
-    require_times(case, float(times[-1]))
+    for name in case.contacts:
+        read_coefficients(case, name).require_times(float(times[-1]))
     cycle = find_cycle(case, times, values, channels)
     choice = None if cycle is None else _choice(case, channels)
     return History(tuple(channels), times, values, cycle, _between(channels, times), choice)

@@ -9,9 +9,8 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
-from fretfe.loads.friction import BEYOND, PLACES, Varying, coefficients, varying
+from fretfe.loads.friction import BEYOND, PLACES, Coefficients
 from fretfe.surface.contact_surface import ContactSurface
 
 
@@ -31,22 +30,19 @@ class Friction:
     number: Indices
 
     @classmethod
-    def of(cls, case: Case, name: str, times: Array, surface: ContactSurface) -> Friction:
+    def of(cls, given: Coefficients, times: Array, surface: ContactSurface) -> Friction:
         """That of a contact of a case, for states at times (T,).
 
         Raises:
             CaseError: a table does not cover the surface.
         """
-        table = varying(case, name)
-        if table is None or table.times is not None:
-            return cls.uniform(coefficients(case, name, times), len(surface.weights))
+        if given.even:
+            return cls.uniform(given.over(times), len(surface.weights))
         try:
-            own = _along(table, surface)
+            own = _along(given, surface)
         except CaseError as error:
-            key = ("contacts", name, "friction")
-            raise CaseError(complaint(case.source, key, str(error))) from None
-        acts = times > case.contacts[name].friction_from
-        return cls(np.array([np.zeros_like(own), own]), acts.astype(np.int64))
+            raise CaseError(f"{given.key}: {error}") from None
+        return cls(np.array([np.zeros_like(own), own]), (times > given.begins).astype(np.int64))
 
     @classmethod
     def uniform(cls, coefficients: Array, nodes: int) -> Friction:
@@ -87,7 +83,7 @@ class Friction:
         return float(self.fields[self.number].max())
 
 
-def _along(table: Varying, surface: ContactSurface) -> Array:
+def _along(table: Coefficients, surface: ContactSurface) -> Array:
     """(N,) coefficients of a table at the nodes of a surface that it has to cover."""
     dimension = surface.points.shape[1]
     if table.arc is not None:

@@ -14,7 +14,7 @@ from fretfe._typing import Array
 from fretfe.case import Case, case_notes, parse_case
 from fretfe.errors import CaseError
 from fretfe.loads import build_history
-from fretfe.loads.friction import coefficients
+from fretfe.loads.friction import Coefficients, read_coefficients
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
 
@@ -29,6 +29,10 @@ def in_file(folder: Path, text: str) -> Case:
     return with_friction({"csv": "f.csv"}, folder)
 
 
+def given(case: Case) -> Coefficients:
+    return read_coefficients(case, "main")
+
+
 def surface(points: Any) -> ContactSurface:
     points = np.array(points, dtype=float)
     count = len(points)
@@ -36,7 +40,7 @@ def surface(points: Any) -> ContactSurface:
 
 
 def fields(case: Case, points: Any, times: Any = (0.5, 2.0)) -> Array:
-    return Friction.of(case, "main", np.array(times), surface(points)).at(slice(None))
+    return Friction.of(given(case), np.array(times), surface(points)).at(slice(None))
 
 
 LINE = [[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0]]
@@ -44,19 +48,19 @@ LINE = [[-1.0, 0.0], [0.0, 0.0], [1.0, 0.0]]
 
 def test_over_time_it_is_that_at_the_end_of_each_step() -> None:
     case = with_friction({"times": [0, 1, 3], "values": [0.1, 0.2, 0.6]})
-    found = coefficients(case, "main", np.array([0.5, 1.0, 2.0, 3.0]))
+    found = given(case).over(np.array([0.5, 1.0, 2.0, 3.0]))
     assert np.array_equal(found, [0.0, 0.0, 0.4, 0.6])  # none until friction_from
     assert np.array_equal(fields(case, LINE), [[0.0] * 3, [0.4] * 3])
 
 
 def test_over_arc_lengths_there_are_straight_lines() -> None:
     case = with_friction({"arc": [-1, 1], "values": [0.2, 0.6]})
-    assert np.allclose(fields(case, LINE), [[0, 0, 0], [0.2, 0.4, 0.6]], rtol=1e-15)
+    assert np.allclose(fields(case, LINE), np.array([[0, 0, 0], [0.2, 0.4, 0.6]]), rtol=1e-15)
 
 
 def test_files_are_over_what_their_columns_are(tmp_path: Path) -> None:
     case = in_file(tmp_path, "time,friction\n0,0.1\n3,0.7\n")
-    assert coefficients(case, "main", np.array([2.0])) == pytest.approx(0.5)
+    assert given(case).over(np.array([2.0])) == pytest.approx(0.5)
     case = in_file(tmp_path, "arc;friction\n-1;0,2\n1;0,6\n")
     assert np.allclose(fields(case, LINE)[1], [0.2, 0.4, 0.6])
     case = in_file(tmp_path, "x,y,friction\n-1,0.1,0.2\n0.1,0,0.3\n0.9,0,0.5\n")

@@ -103,11 +103,12 @@ def test_what_sticks_may_have_any_friction() -> None:
 
 
 def test_sliding_takes_the_sum_of_friction_times_pressure() -> None:
-    friction = {"arc": [-2, 0, 2], "values": [0.1, 0.4, 0.2]}
+    arc, values = [-2, 0, 2], [0.1, 0.4, 0.2]
+    friction = {"arc": arc, "values": values}
     history = [{"ramp": 0.03, "until": 2.0, "steps": 3}]
     result = solved(friction, history=history, control="displacement")
     surface = result.contact_history("main")
-    own = np.interp(surface.surface.arc, friction["arc"], friction["values"])
+    own = np.interp(surface.surface.arc, arc, values)
     nodal = surface.surface.weights * surface.traction[-1][:, 0]
     assert result.contacts[0].shear_force[-1] == pytest.approx(own @ nodal, rel=1e-10)
     kinds = {each.kind for each in result.contacts[0].warnings}
