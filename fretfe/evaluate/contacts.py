@@ -110,7 +110,8 @@ class SlipZone:
     """Slip at one station in one direction, from one reversal to the next.
 
     Attributes:
-        start, end: states between which the nodes slipped.
+        start, end: states between which the nodes slipped: from reversal to reversal, or to where
+            the zone is longest if the edge leaves most of it behind by drawing back.
         length: slip-zone length from the front at `end`, inward; NaN if the whole contact slipped.
         border: position of its inner end along the arc.
         spread: half the width of an interval that is meant to hold `length` with 95 %: border of
@@ -120,7 +121,8 @@ class SlipZone:
         gross: whether the whole contact slipped.
         predicted: slip length from K_T and K_N: 2 K_T/(f K_N) for first loading, ΔK_T/(f K_N) in
             the evaluated cycle; NaN elsewhere, and where (K_T, K_S) turns.
-        predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle.
+        predicted_loop: the same with varying normal load, from `end`; NaN outside the cycle, but
+            not where the edge draws back over the zone later on.
         across: the mean shear across the direction of (K_T, K_S) over that of f p, behind the
             predicted zone and when the half cycle begins; NaN in the plane without motion along z.
         flank: mean shear along that direction over that of f p, farther behind and at `end`, where

@@ -54,6 +54,7 @@ class Growth:
         edge: f K_N y of the edge at the end of the half cycle.
         unit: f K_N then.
         loose: part of the drive by which a loop may miss its beginning.
+        lengths: (n,) from the edge to the inner end at each state of the half cycle.
     """
 
     depth: Array
@@ -61,6 +62,7 @@ class Growth:
     edge: float
     unit: float
     loose: float
+    lengths: Array
 
     @property
     def border(self) -> float:
@@ -146,6 +148,8 @@ def zone_growth(
 ) -> Growth | None:
     """Growth of the slip zone of a half cycle at a station; None if its factors are not known.
 
+    Of slip forward and backward in it that counts which is driven farther.
+
     Args:
         station: its factors, K_T along the direction of the slip.
         friction: (T,) coefficient in the step that ends at each state.
@@ -161,21 +165,21 @@ def zone_growth(
         return None
     states = np.arange(begin, end + 1)
     k_t, retreat = station.k_t[states], f * (station.k_i[states].max() - station.k_i[states])
-    half_cycle = slice(start - begin, None)
-    forward, backward = (k_t + retreat)[half_cycle], (k_t - retreat)[half_cycle]
-    if forward[-1] - forward[0] < backward[0] - backward[-1]:
-        k_t = -k_t
     largest = 2 * float(np.max(np.abs(k_t - k_t[0]) + retreat))
     if not largest > 0:
         return None
     radius = np.linspace(0.0, largest, LEVELS + 1)
     counted = outer[states] & (states > start)
-    depth, rates = radius[:-1] + largest / LEVELS / 2, _rates(k_t, retreat, radius, counted)
+    depth = radius[:-1] + largest / LEVELS / 2
+    ways = [_driven(each, retreat, radius, counted) for each in (k_t, -k_t)]
+    rates, reach = max(ways, key=lambda each: float(each[0].sum()))
     # A steady cycle comes back to its extreme but for round-off, which moves no border.
     rates = np.where(rates > ROUND_OFF * rates.sum(), rates, 0.0)
+    half_cycle = slice(start - begin, None)
     drive, moved = float(rates.sum()), float(np.ptp(retreat[half_cycle]))
     loose = min(LOOSE + moved / drive, MOST_LOOSE) if drive > 0 else 0.0
-    return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]), loose)
+    lengths = np.maximum(reach - 2 * retreat, 0.0)[half_cycle] / (f * station.k_n[start : end + 1])
+    return Growth(depth, rates, 2 * float(retreat[-1]), f * float(station.k_n[end]), loose, lengths)
 
 
 def evened(
@@ -234,8 +238,10 @@ def _settled(
     return replace(border, spread=math.hypot(border.spread, border.length - before.length))
 
 
-def _rates(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> Array:
+def _driven(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> tuple[Array, Array]:
     """(m,) increase of the drive forward in some steps while the zone ended between two depths.
+
+    And (n,) the depth that slip has come to in them at each state.
 
     Args:
         k_t: (n,) at the states.
@@ -243,15 +249,18 @@ def _rates(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> Array:
         depth: (m + 1,) f K_N y.
         counted: (n,) whether the step to each state counts.
     """
-    radius, rates = depth / 2, np.zeros(len(depth) - 1)
+    radius, rates, reach = depth / 2, np.zeros(len(depth) - 1), np.zeros(len(k_t))
     memory = np.full(len(depth), k_t[0])
     for state in range(1, len(k_t)):
         drive = k_t[state] + retreat[state]
+        reach[state] = reach[state - 1]
         if counted[state]:
             # The drive from which on slip reaches each depth.
             onset = np.maximum.accumulate(memory + radius)
             before = max(k_t[state - 1] + retreat[state - 1], onset[0])
             rates += np.diff(np.clip(onset, before, max(drive, before)))
+            if drive - before > ROUND_OFF * depth[-1]:
+                reach[state] = max(reach[state], float(np.interp(drive, onset, depth)))
         memory = np.clip(memory, drive - radius, k_t[state] - retreat[state] + radius)
         memory = np.where(radius < retreat[state], k_t[state], memory)
-    return rates
+    return rates, reach

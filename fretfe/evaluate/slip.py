@@ -71,8 +71,16 @@ LEFT_OPEN = 0.1
 # Part of all that drives slip which is round-off.
 UNDRIVEN = 1e-9
 
-# Slip zone between two states, measured from the edge at the second one.
+# An edge has drawn back so far that zones count from where it was before if less than this part of
+# their largest length is left.
+LEFT_BEHIND = 0.5
+# Part by which the way of an edge may miss the border of permanent stick that it is.
+SWEPT = 1e-6
+
+# Slip zone between two states, measured from the edge at the second one, and (n,) its lengths from
+# the edge in each of these states by K_T and K_I of all steps so far; none where not known.
 FindBorder = Callable[[int, int], SlipBorder]
+FindLengths = Callable[[int, int], Array]
 
 
 def slip_in_steps(
@@ -140,6 +148,7 @@ def slip_zones(
     friction: Array,
     station: StationHistory,
     find_border: FindBorder,
+    find_lengths: FindLengths = lambda *_: np.zeros(0),
     path: LoadPath | None = None,
     worst: Worst | None = None,
     pressed: bool = False,
@@ -152,6 +161,7 @@ def slip_zones(
         friction: (T,) coefficient in the step that ends at each state.
         station: position and factors.
         find_border: gives the slip zone of a half cycle.
+        find_lengths: foretells its lengths.
         path: loads of the cycle between its steps, unless they are straight lines.
         worst: the cycle whose half cycles alone are looked at, where loads are irregular.
         pressed: whether P alone drives the edge. Slip then follows the edge, and what slipped
@@ -176,9 +186,13 @@ def slip_zones(
     if not pressed:
         halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
     halves = [(start, end) for start, end in halves if np.isfinite(station.position[end])]
-    for start, end in halves:
+    for start, turn in halves:
+        lengths = np.zeros(0) if pressed else find_lengths(start, turn)
+        end = _longest(start, turn, lengths, station)
         border = find_border(start, end)
         cyclic, loop = _prediction(cycle, friction[end], end, station)
+        if end != turn or (len(lengths) and _swept(cycle, friction[end], end, station, loop)):
+            loop = float(lengths[end - start])
         if pressed and not unlike:
             cyclic = 0.0
         elif worst and not len(cycle):
@@ -211,6 +225,33 @@ def slip_zones(
         )
         zones.append(_doubted(zone, border.spread))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
+
+
+def _longest(start: int, end: int, lengths: Array, station: StationHistory) -> int:
+    """State of a half cycle in which its slip zone is longest, if the edge leaves it behind.
+
+    Args:
+        start: first state.
+        end: last state, in which slip has come to its inner end.
+        lengths: (n,) as foretold; none where not known.
+        station: its factors.
+    """
+    if not len(lengths):
+        return end
+    known = np.isfinite(station.position[start : end + 1] + lengths)
+    longest = int(np.argmax(np.where(known, lengths, -math.inf)))
+    return start + longest if lengths[-1] < LEFT_BEHIND * lengths[longest] else end
+
+
+def _swept(cycle: States, friction: float, end: int, station: StationHistory, loop: float) -> bool:
+    """True if the edge itself draws back in a cycle to where permanent stick begins.
+
+    Then (11) is the way of the edge, whatever slips on it.
+    """
+    if not math.isfinite(loop):
+        return False
+    way = 2 * friction * (station.k_i[end] - station.k_i[cycle].min())
+    return bool(0 < friction * station.k_n[end] * loop <= (1 + SWEPT) * way)
 
 
 def _gripped(

@@ -298,11 +298,16 @@ class EdgeData(ABC):
         def growth(start: int, end: int) -> Growth | None:
             return zone_growth(along, friction, start, end, outer)
 
+        def lengths(start: int, end: int) -> Array:
+            found = growth(start, end)
+            return found.lengths if found else np.zeros(0)
+
         zones = slip_zones(
             cycle,
             friction,
             along,
             self.border(number, along.position, outer, growth),
+            lengths,
             self.path,
             worst,
             self.pressed[number],

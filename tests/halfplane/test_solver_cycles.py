@@ -158,6 +158,23 @@ def test_an_edge_that_moves_more_than_it_is_sheared_does_not_slip() -> None:
     assert [zone.length for edge in summary.stations for zone in edge.slip_zones[-2:]] == [0.0] * 4
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_zones_count_from_the_edge_before_it_draws_back(sign: float) -> None:
+    # P up, Q up and down, P down, which draws the edge back over all that slipped with Q.
+    rise, share = np.linspace(0.0, 1.0, 6), 0.5333
+    p = LOAD * np.concatenate([0.1 + 0.9 * rise, np.ones(10), 1.0 - 0.9 * rise[1:]])
+    q = sign * share * LIMIT * np.concatenate([0 * rise, rise[1:], 1 - rise[1:], 0 * rise[1:]])
+    summary = solved(problem(np.append(p, p[1:]), np.append(q, q[1:]), cycle=len(p) - 1), 120)
+    exact = 1 - np.sqrt(1 - share / np.array([1.0, 2.0]))
+    for edge in summary.stations:
+        zones = edge.evaluated_zones
+        assert [zone.end - edge.first for zone in zones] == [10, 15]
+        for zone, length in zip(zones, exact, strict=True):
+            assert zone.length == pytest.approx(length, abs=zone.spread)
+            assert zone.spread < 0.03 * length
+            assert judge(edge, zone).verdict is Verdict.AGREES
+
+
 def assert_still(summary: Contact) -> None:
     for edge in summary.stations:
         zone = edge.slip_zones[-1]
