@@ -28,6 +28,10 @@ LARGEST_SPREAD = 0.05
 LARGEST_ZONE_SPREAD = 0.1
 # Error bar, relative to its number, beyond which tables show no number.
 NO_NUMBER = 0.5
+# Range of (K_T, K_S) over f K_I that drives no slip worth the name, over less than .5 % of the
+# half-width, and that which is round-off.
+NOTHING = 0.02
+ROUND_OFF = 1e-8
 # The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
 LARGEST_TURNING = 0.1
 # Distance from a free end over the slip zone by the factors from which these mean something: half
@@ -77,7 +81,7 @@ def reported(value: float, spread: float) -> float:
 
 
 def _reported_work(value: float, spread: float) -> float:
-    return math.nan if spread > value else value
+    return math.nan if spread > value > 0 or math.isinf(spread) else value
 
 
 def uncertain_factor(value: float, spread: float) -> bool:
@@ -506,6 +510,12 @@ class Station(StationHistory):
         inside = [zone for zone in self.slip_zones if zone.end > self.first >= 0]
         return tuple(inside) or self.slip_zones[-2:]
 
+    @property
+    def still(self) -> bool:
+        """True if nothing slips, and nodes would show it: friction work is zero within its bar."""
+        zones = self.evaluated_zones
+        return bool(zones) and all(zone.length == 0 and zone.resolved for zone in zones)
+
     def longest_by(self, length: Callable[[SlipZone], float]) -> SlipZone | None:
         """The zone of `evaluated_zones` of which some length is largest; None without any.
 
@@ -523,9 +533,26 @@ class Station(StationHistory):
         return self.reported_range / (self.reported_k_n or math.nan)
 
     @property
+    def undriven(self) -> bool:
+        """True if the range of (K_T, K_S) is zero within its error bar, and that drives nothing.
+
+        As where P alone varies, or by round-off.
+        """
+        scale = self.friction * float(np.nanmax(np.abs(self.k_i), initial=0.0))
+        found, most = self.k_range, self.k_range + self.k_range_spread
+        return found <= max(self.k_range_spread, ROUND_OFF * scale) and most <= NOTHING * scale
+
+    @property
+    def told_range(self) -> tuple[float, float]:
+        """The range of (K_T, K_S) to tell with its error bar: 0, and all of it, if undriven."""
+        if self.undriven:
+            return 0.0, self.k_range + self.k_range_spread
+        return reported(self.k_range, self.k_range_spread), self.k_range_spread
+
+    @property
     def reported_range(self) -> float:
-        """The range of (K_T, K_S); NaN if its error bar is unknown or more than half of it."""
-        return reported(self.k_range, self.k_range_spread)
+        """The range to tell; NaN if its error bar is unknown or more than half of it."""
+        return self.told_range[0]
 
     @property
     def uncertain(self) -> bool:
@@ -535,7 +562,7 @@ class Station(StationHistory):
     @property
     def uncertain_range(self) -> bool:
         """True if the range of (K_T, K_S) is known to less than a twentieth, or not how well."""
-        return uncertain_factor(self.k_range, self.k_range_spread)
+        return not self.undriven and uncertain_factor(self.k_range, self.k_range_spread)
 
     @property
     def defined(self) -> bool:

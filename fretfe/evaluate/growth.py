@@ -31,8 +31,9 @@ TIP = 0.02
 # the edge to first order only, counts besides; and the most of both.
 LOOSE = 0.005
 MOST_LOOSE = 0.1
-# Part of the drive that is round-off.
+# Part of the drive that is round-off, and of K_T and f K_I that drives nothing.
 ROUND_OFF = 1e-12
+UNDRIVEN = 1e-6
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
 PASSES = 3
@@ -73,6 +74,11 @@ class Growth:
     def length(self) -> float:
         """From the edge to the inner end."""
         return (self.border - self.edge) / self.unit
+
+    @property
+    def nothing(self) -> bool:
+        """True if nothing drives slip but round-off."""
+        return not self.rate.any()
 
     @property
     def even(self) -> bool:
@@ -173,6 +179,8 @@ def zone_growth(
     depth = radius[:-1] + largest / LEVELS / 2
     ways = [_driven(each, retreat, radius, counted) for each in (k_t, -k_t)]
     rates, reach = max(ways, key=lambda each: float(each[0].sum()))
+    if not rates.sum() > UNDRIVEN * largest:
+        rates, reach = 0.0 * rates, 0.0 * reach
     # A steady cycle comes back to its extreme but for round-off, which moves no border.
     rates = np.where(rates > ROUND_OFF * rates.sum(), rates, 0.0)
     half_cycle = slice(start - begin, None)

@@ -223,7 +223,8 @@ def slip_zones(
             predicted_loop=loop,
             missed=missed,
         )
-        zones.append(_doubted(zone, border.spread))
+        foretold = float(lengths[end - start]) if len(lengths) else math.nan
+        zones.append(_doubted(zone, border.spread, foretold))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
 
 
@@ -310,7 +311,7 @@ def _missed(
     return abs(predicted_slip(k_t, k_i, float(k_n[turn]), friction, turn).loop - sampled)
 
 
-def _doubted(zone: SlipZone, spread: float) -> SlipZone:
+def _doubted(zone: SlipZone, spread: float, foretold: float) -> SlipZone:
     """The zone, not resolved if no node slips though one may lie between the nodes.
 
     That nothing slips at all is known only where next to nothing is predicted.
@@ -320,8 +321,10 @@ def _doubted(zone: SlipZone, spread: float) -> SlipZone:
     Args:
         zone: as found.
         spread: error bar of its border.
+        foretold: its length by K_T and K_I of all steps, where formulas predict none; else NaN.
     """
-    hidden = zone.length == 0 and spread > 0 and not zone.prediction <= HIDDEN * spread
+    expected = foretold if math.isnan(zone.prediction) else zone.prediction
+    hidden = zone.length == 0 and spread > 0 and not expected <= HIDDEN * spread
     if zone.gross or (zone.resolved and not hidden):
         return zone
     missed = abs(zone.length - zone.prediction)

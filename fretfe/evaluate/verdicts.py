@@ -26,8 +26,6 @@ NEAR_SLIDING = 0.95
 # Error of the formulas between unlike bodies, over f |beta|: measured on half-planes with beta up
 # to .2, f = .3 and .8, slip both ways and mean shear up to .6 f P.
 COUPLED = 0.7
-# A range with an error bar beyond this part of it predicts nothing.
-LOOSEST_RANGE = 0.5
 # Error bars and elements that leave more of the length open than this check nothing.
 LOOSE = 0.3
 # Part of f p that may act across that line before: more of it leaves an eighth less for the shear
@@ -218,6 +216,8 @@ def _range_bar(station: Station, zone: SlipZone) -> float:
     # Without a cycle there is no range, but a prediction of first loading.
     if math.isnan(station.k_range) or station.k_range_spread == 0:
         return 0.0
+    if station.undriven:
+        return float(station.told_range[1] / (station.friction * station.k_n[zone.end]))
     return zone.predicted * station.k_range_spread / (station.k_range or math.nan)
 
 
@@ -364,7 +364,7 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
     still = _still(zone)
-    if ranges and not still and not station.k_range_spread <= LOOSEST_RANGE * station.k_range:
+    if ranges and not still and math.isnan(station.reported_range):
         return Judgement(Verdict.UNKNOWN, withheld(station))
     if local and not still and zone.local_spread > LOOSE * zone.local:
         return Judgement(

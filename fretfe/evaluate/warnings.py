@@ -39,8 +39,6 @@ BESIDE = 2.5
 FINE = 1.5
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
-# Part of the largest K_T below which a range is round-off.
-ROUND_OFF = 1e-9
 # Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
 # at R = 2.5 h, as coarse as anything round is meshed.
 CHORDS = 0.05
@@ -380,14 +378,13 @@ def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
         else:
             yield kind, f"K_N is known to {spread / k_n:.0%} only"
     steps = station.k_range_parts.steps
-    # A range beside K_T itself that is round-off has no share that steps could be wrong by.
-    some = station.k_t_range > ROUND_OFF * float(np.nanmax(np.abs(station.k_t), initial=0.0))
-    if some and steps > LARGEST_STEPS * station.k_t_range:
+    # What drives nothing has no share that steps could be wrong by.
+    if not station.undriven and steps > LARGEST_STEPS * station.k_t_range > 0:
         yield (
             Kind.STEPS_TOO_LONG,
             f"the range of K_T may be {steps / station.k_t_range:.1%} off by what happens between "
             "the steps",
         )
-    zones = station.slip_zones[-2:]
+    zones = station.evaluated_zones
     if not any(zone.gross for zone in zones) and any(not zone.resolved for zone in zones):
         yield Kind.NOT_RESOLVED, "the slip zone is not resolved by the mesh"

@@ -400,7 +400,7 @@ def _last_zone(number: int) -> Reported:
 
 
 K_N = Reported("K_N", "k_n", lambda each: (each.reported_k_n, each.decisive_k_n[1]))
-K_RANGE = Reported("ΔK", "k_t", lambda each: (each.reported_range, each.k_range_spread))
+K_RANGE = Reported("ΔK", "k_t", lambda each: each.told_range)
 ZONES = (_last_zone(1), _last_zone(2))
 WORK = Reported(
     "friction work", "work", lambda each: (each.reported_dissipation, each.dissipation_spread)

@@ -194,6 +194,37 @@ def test_slip_that_is_round_off_of_the_solver_is_none(
     assert_still(solved(problem(p, q, frictional_press=pressing, cycle=40)))
 
 
+@pytest.mark.parametrize(("swing", "amplitude"), [(0.3, 0.0), (0.0, 1e-9), (0.3, 1e-9)])
+def test_what_is_zero_within_the_bar_of_the_solution_is_zero(
+    swing: float, amplitude: float
+) -> None:
+    # P alone, and Q of 1e-9 of P.
+    wave = np.sin(loop(16, 2))
+    p, q = LOAD * (1 + swing * wave), amplitude * LOAD * wave
+    summary = solved(problem(p, q, frictional_press=True, cycle=16), 100)
+    assert summary.reported_dissipation == 0.0 <= summary.dissipation_spread < 1e-12
+    for edge in summary.stations:
+        zone = edge.longest_zone
+        assert zone is not None and zone.told[0] == 0.0
+        assert judge(edge, zone).verdict is Verdict.AGREES
+        range_by_closed_form = float(tangential_factor(2 * amplitude * LOAD, 0.0, 1.0, "left"))
+        assert edge.told_range == pytest.approx((0.0, range_by_closed_form), rel=0.1)
+        assert not edge.uncertain_range
+
+
+@pytest.mark.parametrize("noise", [1e-9, 1e-7])
+def test_noise_of_loads_in_phase_slips_nowhere(noise: float) -> None:
+    # dQ/dP = .2 f but for noise, that of each cycle its own: .022 +- .040 before.
+    wave = np.cos(loop(16, 3))
+    p, q = LOAD * (1 + 0.25 * wave), 0.1 * LIMIT * wave
+    q += noise * LOAD * np.random.default_rng(5).standard_normal(len(q))
+    summary = solved(problem(p, q, frictional_press=True, cycle=16), 100)
+    assert summary.reported_dissipation == 0.0 < summary.dissipation_spread < 1e-9
+    for edge in summary.stations:
+        assert [(zone.length, zone.resolved) for zone in edge.evaluated_zones] == [(0.0, True)]
+        assert edge.k_range == edge.told_range[0] > 0
+
+
 @pytest.mark.parametrize("share", [0.1, 0.6])
 def test_loads_in_proportion_make_no_slip(share: float) -> None:
     # Q/P < f from zero on: what nodes move before they touch is no slip.

@@ -144,7 +144,9 @@ class PlaneEdges(EdgeData):
         arc, centre = self.contact.surface.arc, last_known(self.centre, self.cycle)
         here = nearest_front(arc, centre) == number
         work, spread = (float(each[here].sum()) for each in self.works)
-        if any(zone.hides for zone in station.slip_zones):
+        if station.still:  # what nodes do that open and close
+            work, spread = 0.0, work + spread
+        if any(zone.hides for zone in station.evaluated_zones):
             spread = math.inf  # that of nodes that do not slip is no measure of it
         # All of beta, whichever way the bodies slide.
         coupling = abs(self.steps.dundurs) * float(self.frictions[number].max())

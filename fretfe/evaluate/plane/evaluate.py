@@ -59,6 +59,8 @@ def evaluate_plane(
         for each in edges.stations(told)
     ]
     work, spread = (float(each.sum()) for each in edges.works)
+    if all(each.still for each in stations):
+        work, spread = 0.0, work + spread
     unseen = any(math.isinf(each.dissipation_spread) for each in stations)
     return {
         **resultants,

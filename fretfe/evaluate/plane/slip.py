@@ -209,6 +209,8 @@ def _border_between(
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
     s, slip = front.distances(contact.surface.arc[closed], position), slip[nodes]
+    if growth is not None and growth.nothing:
+        slip = 0.0 * slip
     moved = _moved(slip)
     border = slip_border(s, slip, moved)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
