@@ -395,10 +395,9 @@ def _expectation(worst: Margin, life: float) -> str:
         expected = "is expected to survive"
     elif worst.high < 1:
         expected = "is expected to fail within"
-    bar = max(worst.high - worst.margin, worst.margin - worst.low)
     return (
         f"{edge.result} {expected} {number(life, 6)} cycles, because at {edge.contact} "
         f"{edge.edge} ΔK_T is {rounded(edge.k_t_range)}, and half of all specimens reach them at "
         f"{rounded(worst.strength)} with this K_N, {rounded(edge.k_n)}: margin "
-        f"{with_error(worst.margin, bar)}"
+        f"{rounded(worst.margin)}, of 95 % of parts {rounded(worst.low)} to {rounded(worst.high)}"
     )

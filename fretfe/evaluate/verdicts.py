@@ -10,6 +10,7 @@ import numpy as np
 
 from fretfe.evaluate.contacts import LARGEST_SPREAD, LARGEST_TURNING, SlipZone, Station
 from fretfe.faults import guarded
+from fretfe.report.texts import rounded
 from fretfe.verdict import Verdict
 
 # The expected error of the formulas is a first-order estimate: trusted within this factor, and not
@@ -81,8 +82,12 @@ def _no_k_n(station: Station) -> str:
         why = station.lack.text or "the pressure next to the front has no fit"
         return f"K_N is not known, since {why}"
     if not math.isfinite(spread):
-        return f"K_N is {k_n:.3g}, without an error bar"
-    return f"K_N is {k_n:.3g} ± {spread:.2g}, an error bar of more than half of it"
+        return f"K_N is {rounded(k_n)}, without an error bar"
+    return f"K_N is {_with_bar(k_n, spread)}, an error bar of more than half of it"
+
+
+def _with_bar(value: float, spread: float) -> str:
+    return f"{rounded(value)} ± {rounded(spread, 2)}"
 
 
 def _no_range(station: Station) -> str:
@@ -106,7 +111,7 @@ def _no_range(station: Station) -> str:
         return f"the range of K_T and K_S has no error bar ({lost or 'nothing to compare with'})"
     largest = max(parts, key=lambda name: parts[name])
     return (
-        f"the range of K_T and K_S is {station.k_range:.3g} ± {station.k_range_spread:.2g}, an "
+        f"the range of K_T and K_S is {_with_bar(station.k_range, station.k_range_spread)}, an "
         f"error bar of more than half of it: {PARTS.get(largest, largest)}"
     )
 
@@ -170,7 +175,7 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
         )
     reason = (
         f"the asymptote's own error at the longer of the two lengths, about {error:.1%}, error "
-        f"bars of K_N and of the range, {bars:.1%}, and of the length, {zone.spread:.3g}, and "
+        f"bars of K_N and of the range, {bars:.1%}, and of the length, {rounded(zone.spread)}, and "
         f"{BORDER_ELEMENTS:g} elements"
     )
     if unlike:
@@ -196,19 +201,21 @@ def _judge_still(station: Station, zone: SlipZone) -> Judgement:
         return Judgement(
             Verdict.UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}"
         )
-    found = f"nothing slips, or over less than {unseen:.2g}"
+    found = f"nothing slips, or over less than {rounded(unseen, 2)}"
     within = math.hypot(unseen, BORDER_ELEMENTS * station.size)
     if not math.isfinite(within):
         return Judgement(Verdict.UNKNOWN, "no node slips, but that has no error bar")
     if zone.prediction > within:
         return Judgement(
-            Verdict.DIFFERS, f"{found}, though {zone.prediction:.2g} is predicted", within
+            Verdict.DIFFERS, f"{found}, though {rounded(zone.prediction, 2)} is predicted", within
         )
     if most > within or zone.prediction > BORDER_FRACTION * within:
         return Judgement(
-            Verdict.UNKNOWN, f"{found}; up to {most:.2g} may be predicted: nothing to check"
+            Verdict.UNKNOWN, f"{found}; up to {rounded(most, 2)} may be predicted: nothing to check"
         )
-    return Judgement(Verdict.AGREES, f"{found}, and at most {most:.2g} is predicted", within)
+    return Judgement(
+        Verdict.AGREES, f"{found}, and at most {rounded(most, 2)} is predicted", within
+    )
 
 
 def _range_bar(station: Station, zone: SlipZone) -> float:
@@ -254,7 +261,7 @@ def beside_nodes(station: Station, zone: SlipZone) -> Judgement:
     if not zone.resolved or zone.gross:
         return Judgement(Verdict.NO_VERDICT, f"nodes tell no length: {_unresolved(station, zone)}")
     open_between = math.hypot(zone.spread, zone.local_spread) + BORDER_ELEMENTS * station.size
-    found = f"nodes slip over {zone.length:.3g} ± {zone.spread:.2g}, but {_by_plane_problem(zone)}"
+    found = f"nodes slip over {_with_bar(zone.length, zone.spread)}, but {_by_plane_problem(zone)}"
     if abs(zone.length - zone.local) > open_between:
         reason = f"{found}: K_N, K_T and K_S do not describe what happens there"
         return Judgement(Verdict.DIFFERS, reason, open_between)
@@ -282,7 +289,7 @@ def beside_formula(station: Station, zone: SlipZone) -> Judgement:
 
 
 def _by_plane_problem(zone: SlipZone) -> str:
-    return f"{zone.local:.3g} ± {zone.local_spread:.2g} by the plane problem next to the front"
+    return f"{_with_bar(zone.local, zone.local_spread)} by the plane problem next to the front"
 
 
 def _no_formula(station: Station, zone: SlipZone) -> str:
@@ -299,7 +306,9 @@ def _unresolved(station: Station, zone: SlipZone) -> str:
     size = station.size
     if zone.hides:
         longest = (
-            f"shorter than {zone.spread:.2g}" if math.isfinite(zone.spread) else "of any length"
+            f"shorter than {rounded(zone.spread, 2)}"
+            if math.isfinite(zone.spread)
+            else "of any length"
         )
         return f"no node slips, but a zone {longest} may lie between the nodes"
     if station.turning > LARGEST_TURNING and zone.length > 0:
@@ -309,17 +318,17 @@ def _unresolved(station: Station, zone: SlipZone) -> str:
         )
     if zone.length > 0 and size > 0 and zone.length >= FEWEST_ELEMENTS * size:
         return (
-            f"its inner end is known {_known(zone.spread)}, of {zone.length:.3g} or "
+            f"its inner end is known {_known(zone.spread)}, of {rounded(zone.length)} or "
             f"{zone.length / size:.0f} elements: slip does not fall evenly towards it, or nodes "
             "slip behind it"
         )
-    covered = f": {zone.length / size:.1f} of {size:.2g}" if size > 0 else ""
+    covered = f": {zone.length / size:.1f} of {rounded(size, 2)}" if size > 0 else ""
     return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
 
 
 def _known(spread: float) -> str:
     """The words for how well a length is known."""
-    return f"to ± {spread:.2g} only" if math.isfinite(spread) else "without an error bar"
+    return f"to ± {rounded(spread, 2)} only" if math.isfinite(spread) else "without an error bar"
 
 
 def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
@@ -360,7 +369,9 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     if spread > LARGEST_SPREAD * k_n and not local and not _still(zone):
         bar = f"{spread / k_n:.0%}, more than {LARGEST_SPREAD:.0%}"
         bar = f"an error bar of {bar}" if math.isfinite(spread) else "no error bar"
-        return Judgement(Verdict.UNKNOWN, f"K_N at the end of the half cycle, {k_n:.3g}, has {bar}")
+        return Judgement(
+            Verdict.UNKNOWN, f"K_N at the end of the half cycle, {rounded(k_n)}, has {bar}"
+        )
     # Without a cycle there is no range, but a prediction of first loading.
     ranges = math.isfinite(station.k_range)
     still = _still(zone)
@@ -369,8 +380,9 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     if local and not still and zone.local_spread > LOOSE * zone.local:
         return Judgement(
             Verdict.UNKNOWN,
-            f"the plane problem next to the front gives {zone.local:.3g} ± "
-            f"{zone.local_spread:.2g}: its error bar leaves more than {LOOSE:.0%} open",
+            "the plane problem next to the front gives "
+            f"{_with_bar(zone.local, zone.local_spread)}: its error bar leaves more than "
+            f"{LOOSE:.0%} open",
         )
     if station.turning > LARGEST_TURNING and not local:
         return Judgement(Verdict.NO_VERDICT, _no_formula(station, zone))

@@ -11,6 +11,7 @@ PER_EXTRAPOLATION = 3
 REASONS = {
     CycleChoice.GIVEN: "given in [cycle]",
     CycleChoice.LAST_PERIOD: "the last whole period of the slowest wave",
+    CycleChoice.LAST_REPETITION: "the last repetition of the table with the longest period",
     CycleChoice.MISSION: "the last time at which all loads rise from zero and return to it",
     CycleChoice.ADDED: "the last one of the cycles that were added",
     None: "that of the loads it was run with",

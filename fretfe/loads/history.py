@@ -267,17 +267,20 @@ def find_cycle(
 def _mission(case: Case, times: Array, values: Array) -> tuple[int, int] | None:
     """First and last step of the last time at which the loads rise from zero and return to it.
 
-    None if they do not end at zero, or friction does not act from the beginning on: what comes
-    before a state without any load then has no part in what comes behind it.
+    None if they never return, if a load is larger behind that, or friction does not act from the
+    beginning on: what comes before a state without any load has no part in what comes behind it.
     """
-    acts = (np.abs(values) > CLOSED * np.abs(values).max(axis=0)).any(axis=1)
-    loaded = np.flatnonzero(acts)
-    if not len(loaded) or acts[-1]:
+    size = np.abs(values)
+    resting = np.flatnonzero((size <= CLOSED * size.max(axis=0)).all(axis=1))
+    flights = np.flatnonzero(np.diff(resting) > 1)
+    if not len(flights):
         return None
-    end = int(loaded[-1])
-    first = int(np.flatnonzero(~acts[:end])[-1])
+    first, end = (int(each) for each in resting[flights[-1] : flights[-1] + 2])
+    largest = size[first : end + 1].max(axis=0)
+    if (size[end:] > largest * (1 + CLOSED)).any():
+        return None
     rough = all(each.friction_from <= times[first] for each in case.contacts.values())
-    return (first, end + 1) if rough else None
+    return (first, end) if rough else None
 
 
 def _named_times(case: Case) -> Iterator[tuple[Key, float]]:
@@ -341,6 +344,8 @@ class CycleChoice(StrEnum):
     """By `[cycle]` of the case."""
     LAST_PERIOD = "last period"
     """The last whole period of the slowest wave."""
+    LAST_REPETITION = "last repetition"
+    """The last whole repetition of the table with the longest period; no load is a wave."""
     MISSION = "mission"
     """The last part of loads without waves that begins and ends with all loads zero."""
     ADDED = "added"
@@ -524,8 +529,11 @@ def _choice(case: Case, channels: Mapping[str, Sequence[Piece]]) -> CycleChoice:
     """The rule by which the cycle of some loads was found."""
     if case.cycle.given is not None:
         return CycleChoice.GIVEN
-    waves = any(piece.period is not None for pieces in channels.values() for piece in pieces)
-    return CycleChoice.LAST_PERIOD if waves else CycleChoice.MISSION
+    if all(piece.period is None for pieces in channels.values() for piece in pieces):
+        return CycleChoice.MISSION
+    entries = (entry for load in case.loads.values() for entry in load.history)
+    waves = any(isinstance(entry, Wave) for entry in entries)
+    return CycleChoice.LAST_PERIOD if waves else CycleChoice.LAST_REPETITION
 
 
 def _lagrange(shares: Array) -> Array:

@@ -26,7 +26,7 @@ from fretfe.matching.pads import PadTest
 from fretfe.matching.spreads import number_spreads, numbers_of, relative_bars
 from fretfe.matching.target import Target
 from fretfe.report.pictures.panels import save_png
-from fretfe.report.theme import BLUE, GREEN, GREY, PALE, PICTURE_DPI, PURPLE, STYLE, VERMILLION
+from fretfe.report.theme import BLUE, FILE_DPI, GREEN, GREY, PALE, PURPLE, STYLE, VERMILLION
 from fretfe.results.writer import prepare_other
 
 # Inches; lengths shown over the one that counts; points of a curve.
@@ -47,7 +47,7 @@ ZONES = ("slip_long", "slip_short")
 @mpl.rc_context(STYLE)
 def draw_choices(match: Match, path: Path) -> None:
     """Draw the pressure of the component's edge and of the best test with each shape."""
-    figure = Figure(figsize=SIZE, dpi=PICTURE_DPI, layout="constrained")
+    figure = Figure(figsize=SIZE, dpi=FILE_DPI, layout="constrained")
     axes = figure.subplots()
     profile = match.target.profile
     assert profile is not None
@@ -76,7 +76,7 @@ def draw_choices(match: Match, path: Path) -> None:
 @mpl.rc_context(STYLE)
 def draw_agreement(match: Match, comparison: Comparison, path: Path) -> None:
     """Draw pressure and change of shear of the component and of solved tests."""
-    figure = Figure(figsize=PAIR, dpi=PICTURE_DPI, layout="constrained")
+    figure = Figure(figsize=PAIR, dpi=FILE_DPI, layout="constrained")
     upper, lower = figure.subplots(2, 1, sharex=True)
     end = _shown(match)
     profile = match.target.profile

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from textwrap import fill
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from fretfe.results.model import Result
 
 # More loads than this are not named in a title.
 MOST_LOADS = 3
+# Characters in a line of a title.
+TITLE = 38
 # Names of the fronts of plane contacts.
 SIDES = ("left", "right")
 # Waves pass through zero up to this fraction of their amplitude.
@@ -41,19 +44,20 @@ def when(run: Result, state: int) -> str:
 
 
 def loading(run: Result, state: int) -> str:
-    """The values of the loads at a state, if they are not too many for a title."""
+    """The values of the loads at a state, in lines of a title, if they are not too many for one."""
     if len(run.loads.channels) > MOST_LOADS:
         return ""
     largest = np.abs(run.loads.values).max(axis=0)
     values = run.loads.values[state]
     shown = np.where(np.abs(values) > ROUND_OFF * largest, values, 0.0)
     pairs = zip(run.loads.channels, shown, strict=True)
-    return ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
+    values = ", ".join(f"{name} = {value:.5g}" for name, value in pairs)
+    return fill(values, TITLE, break_long_words=False, break_on_hyphens=False)
 
 
 def state_title(run: Result, state: int) -> str:
-    """The time of a state, and the values of the loads if they are not too many."""
-    return ": ".join(filter(None, [when(run, state), loading(run, state)]))
+    """The time of a state, and below it the values of the loads if they are not too many."""
+    return "\n".join(filter(None, [when(run, state), loading(run, state)]))
 
 
 def times_text(run: Result, states: Sequence[int]) -> str:

@@ -17,6 +17,10 @@ if TYPE_CHECKING:
 
 # Stands for a number that does not exist.
 MISSING = "-"
+# Numbers below this are shown in smaller units, of lengths by thousands.
+SMALL = 0.01
+SMALLER = {"m": ("mm", "µm", "nm"), "mm": ("µm", "nm")}
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # Characters in a line of a table, more than any has.
 WIDEST = 1000
 
@@ -36,9 +40,17 @@ def with_prefix(unit: str, largest: float) -> tuple[float, str]:
     """A divisor of numbers after which four digits need no exponent, and their unit.
 
     Args:
-        unit: a label; units that begin with N, for newton, take a prefix.
+        unit: a label. Large numbers of units that begin with N, for newton, take a prefix; small
+            ones that of a smaller length, or a power of ten.
         largest: of the numbers.
     """
+    if 0.0 < largest < SMALL:
+        thousands = math.floor(2 / 3 - math.log10(largest) / 3)
+        smaller = SMALLER.get(unit, ())
+        if thousands <= len(smaller):
+            return 1e-3**thousands, smaller[thousands - 1]
+        power = str(-3 * thousands).translate(RAISED)
+        return 1e-3**thousands, f"10{power} {unit}"
     prefixes = {1e7: (1e6, "M"), 1e4: (1e3, "k")}
     if unit.partition("/")[0] == "N":
         for limit, (scale, prefix) in prefixes.items():

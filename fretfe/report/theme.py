@@ -27,6 +27,7 @@ from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
 
 from fretfe._typing import Array, Indices
 from fretfe.files import replacing
+from fretfe.report.texts import RAISED
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
@@ -56,34 +57,35 @@ BOUNDARY: dict[str, Any] = {"color": "#202020", "linewidth": 1.4, "linestyle": (
 # Light around dark lines and texts: they are seen on every colour.
 HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 
-# Inches. A plot of the page, of which two stand side by side (96 pixels an inch), and a picture.
-WIDTH = 5.6
-PICTURE_WIDTH = 10.4
-PICTURE_HEIGHT = 8.4
+# Inches. A plot of the page, of which three stand side by side (96 pixels an inch), and a picture,
+# of which two do.
+WIDTH = 3.7
+PICTURE_WIDTH = 5.8
+PICTURE_HEIGHT = 6.0
 # Of an animation: its width in inches, and how long a cycle takes in milliseconds.
-FRAME_WIDTH = 6.4
+FRAME_WIDTH = 4.0
 DURATION = 4000
 # Height of a plot with little in it, of one panel, of each load, of two and of three panels.
-LOW = 2.8
-SINGLE = 3.6
-LOAD = 1.5
-DOUBLE = 5.4
-TRIPLE = 7.0
+LOW = 2.3
+SINGLE = 2.6
+LOAD = 1.2
+DOUBLE = 3.7
+TRIPLE = 4.9
 # Dots per inch of maps within plots, of pictures, and of figures that are files of their own.
 MAP_DPI = 200
-PICTURE_DPI = 150
+PICTURE_DPI = 240
 FILE_DPI = 150
 # Points: headings, and texts that come second.
 HEADING = 11.0
-SMALL = 8.5
+SMALL = 7.8
 
 STYLE: Any = {
-    "font.size": 9.5,
+    "font.size": 8.5,
     "font.family": "DejaVu Sans",
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.linewidth": 0.7,
-    "axes.titlesize": 9.5,
+    "axes.titlesize": 8.5,
     "axes.formatter.useoffset": False,
     "figure.titlesize": HEADING,
     "xtick.major.width": 0.7,
@@ -91,7 +93,7 @@ STYLE: Any = {
     "legend.frameon": False,
     "legend.fontsize": SMALL,
     "legend.columnspacing": 1.2,
-    "legend.handlelength": 2.2,
+    "legend.handlelength": 2.0,
     "lines.linewidth": 1.4,
     # Names and units are a user's: a dollar sign in them starts no formula.
     "text.parse_math": False,
@@ -104,19 +106,20 @@ FRAMED: Any = {
     **STYLE,
     "figure.constrained_layout.h_pad": 0.08,
     "figure.constrained_layout.w_pad": 0.08,
-    "font.size": 9.0,
+    "font.size": 8.0,
+    "figure.titlesize": 9.0,
     "axes.spines.top": True,
     "axes.spines.right": True,
-    "axes.titlesize": 9.0,
+    "axes.titlesize": 8.0,
     "axes.titlelocation": "left",
     "axes.titlepad": 4.0,
     "axes.labelpad": 2.0,
-    "xtick.labelsize": 8.0,
-    "ytick.labelsize": 8.0,
+    "xtick.labelsize": 7.0,
+    "ytick.labelsize": 7.0,
     "xtick.major.size": 2.5,
     "ytick.major.size": 2.5,
-    "legend.fontsize": 9.0,
-    "legend.handlelength": 3.5,
+    "legend.fontsize": 8.0,
+    "legend.handlelength": 3.0,
 }
 # A logarithmic axis over less than this factor has numbers between the powers of ten.
 FEW_DECADES = 200
@@ -242,8 +245,17 @@ def log_axis(axes: Axes, which: str) -> None:
     low, high = axis.get_view_interval()
     few = high < FEW_DECADES * low
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=7))
-    axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+    axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
     axis.set_minor_formatter(FuncFormatter(lambda *_: ""))
+
+
+def _power(value: float) -> str:
+    """A number at a tick; small and large powers of ten as such."""
+    if 1e-4 < abs(value) < 1e6:
+        return f"{value:g}"
+    digit, _, exponent = f"{value:.0e}".partition("e")
+    factor = "" if digit == "1" else f"{digit}·"
+    return f"{factor}10{str(int(exponent)).translate(RAISED)}"
 
 
 def plain_axis(axes: Axes, which: str) -> None:

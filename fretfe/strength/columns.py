@@ -166,11 +166,15 @@ def _wanted(path: Path, found: Mapping[str, object], kind: tuple[str, ...]) -> l
         wanted += ELASTIC
     elif "case" not in found:
         wanted += ["radius", *(() if "material" in found else ELASTIC)]
-    for name in wanted:
-        if name not in found:
-            listed = ", ".join(map(repr, found))
-            hint = " (0 will do)" if name == "bulk" else ""
-            raise CaseError(f"{path}: line 1: expected a column {name!r}{hint}, found {listed}")
+    missing = [
+        f"{name!r}{' (0 will do)' if name == 'bulk' else ''}"
+        for name in wanted
+        if name not in found
+    ]
+    if missing:
+        what = "columns" if len(missing) > 1 else "a column"
+        listed = ", ".join(map(repr, found))
+        raise CaseError(f"{path}: line 1: expected {what} {', '.join(missing)}, found {listed}")
     if kind == LOAD_COLUMNS:
         twice = {"case": ("radius", "flat_half_width", "height", "material", *ELASTIC),
                  "material": ELASTIC}  # fmt: skip

@@ -365,6 +365,8 @@ CYCLES = {
         "cycle = { start = 0, end = 6 }",
         (0, 6),
     ),
+    "flight": ({"a": [hold(1), ramp(4, 2, 4), ramp(0, 3, 4)]}, "", (1, 3)),
+    "flight-then-less": ({"a": [ramp(4, 1, 4), ramp(0, 2, 4), ramp(3, 3, 3)]}, "", (0, 2)),
     "other-wave-is-over": (
         {"a": [wave(cycles=1)], "b": [wave(period=1.5, cycles=2)]},
         "",
@@ -381,6 +383,10 @@ def test_the_cycle_is_found(
     assert history.cycle is not None
     first, last = history.cycle
     assert history.times[[first, last]] == pytest.approx(expected, abs=ROUND_OFF * 10)
+
+
+def test_a_flight_before_a_larger_load_is_not_the_cycle() -> None:
+    assert history_of(ramp(3, 1, 4), ramp(0, 2, 4), ramp(4, 3, 3)).cycle is None
 
 
 def test_a_prolonged_history_is_one_with_more_cycles() -> None:

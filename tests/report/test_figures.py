@@ -151,7 +151,7 @@ def test_ticks_of_a_boundary_whose_force_is_held(
     figures[0].draw_without_rendering()
     ticks = [each.get_text() for each in left.get_xticklabels()]
     assert len(set(ticks)) == len(ticks) > 2
-    assert left.get_xlabel() == "displacement plus 0.0193 [mm]"
+    assert left.get_xlabel() == "displacement plus 0.0193 mm [nm]"
     assert [each.get_text() for each in left.get_yticklabels()] == ["-2900"]
 
 
@@ -240,7 +240,7 @@ def test_drawings_are_no_wider_than_a_column() -> None:
     svg = make_plot("one", "t", "c", 2.0, draw).svg
     width = re.search(r'width="([0-9.]+)pt"', svg)
     # 72 points an inch.
-    assert width is not None and float(width[1]) == pytest.approx(5.6 * 72)
+    assert width is not None and float(width[1]) == pytest.approx(3.7 * 72)
     assert "viewBox" in svg
 
 

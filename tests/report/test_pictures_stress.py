@@ -6,6 +6,7 @@ from __future__ import annotations
 import importlib.util
 import json
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
@@ -161,14 +162,14 @@ def test_edges_are_at_the_origin_on_both_bodies() -> None:
         "upper": square(displacement=np.full((6, 2), [0.3, -0.1])),
         "lower": square(displacement=np.full((6, 2), [0.01, -0.1])),
     }
-    place = EdgePlace("main", "left edge", position=1.0, slip=0.02, half_width=5.0)
+    place = EdgePlace("main", "left edge", 1, position=1.0, slip=0.02, half_width=5.0)
     view, moved = edge_view(contact([[0.0] * 101] * 2), place, bodies)
     for body in moved.values():
         assert view.local(body.deformed(1.0)[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
     # Ten elements of 0.01 are more than three slip zones.
     assert view.half_size == pytest.approx([0.1, 0.08])
     wide, _ = edge_view(
-        contact([[0.0] * 101] * 2), EdgePlace("m", "left edge", 1.0, 0.0, 5.0), bodies
+        contact([[0.0] * 101] * 2), EdgePlace("m", "left edge", 1, 1.0, 0.0, 5.0), bodies
     )
     assert wide.half_size[0] == pytest.approx(0.3 * 5.0)
 
@@ -181,9 +182,11 @@ def test_nodes_at_the_limit_that_do_not_move_stick() -> None:
     assert visible_status(surface, 2).tolist() == [STICK, STICK, SLIP, OPEN]
     assert visible_status(surface, 1).tolist() == [SLIP] * 4
     assert visible_status(surface, 0).tolist() == [OPEN] * 4
-    surface = contact([[0.0] * 4] * 3, slip=-slip[..., None], status=status, weights=np.arange(4.0))
+    smooth = contact([[0.0] * 4] * 3, slip=-slip[..., None], status=status, weights=np.arange(4.0))
+    surface = replace(smooth, friction=Friction.uniform(np.full(3, 0.5), 4))
     assert shares_text(surface, 2) == "stick 33.3%, slip 66.7%"
     assert shares_text(surface, 0) == "open"
+    assert shares_text(smooth, 2) == "in contact, without friction"
 
 
 WAVE = np.sin(np.linspace(0, 2 * np.pi, 9))

@@ -71,11 +71,8 @@ INTRO = (
     "f times the sum of the pressures of both states (for first loading, the pressure of the later "
     "one). In a contact that slips, the shear does not go like 1/√s: its change follows the line "
     "of full stick far from the edge and the friction bound in the slip zone, which ends where it "
-    "leaves the bound."
-)
-MOVED = (
-    " This edge moves by {:.2g} {} between them: closer to it than that, the asymptotes for one "
-    "edge position do not apply."
+    "leaves the bound. An edge that moves between the two has no "
+    "asymptotes nearer than that."
 )
 # Classes of ranges, and of K_T from and to.
 CLASSES = 32
@@ -145,9 +142,9 @@ def edge_plot(shown: Shown, edge: Station) -> Plot | None:
     if near is None:
         return None
     times = [when(shown.run, state) for state in (near.earlier, near.later)]
-    caption = f"From {times[0]} to {times[1]}."
-    if near.moved > SMALL_MOVE * shown.summary.half_width[near.later]:
-        caption += MOVED.format(near.moved, shown.run.case.units.length)
+    moves = near.moved > SMALL_MOVE * shown.summary.half_width[near.later]
+    far = f"; the edge moves by {near.moved:.2g} {shown.run.case.units.length}" if moves else ""
+    caption = f"From {times[0]} to {times[1]}{far}."
     return make_plot(
         f"{shown.key}-{edge.front}",
         f"Contact {shown.summary.name}, {edge_title(edge)}",

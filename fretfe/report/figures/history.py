@@ -23,7 +23,7 @@ from fretfe.report.source import (
     worst_run_states,
     worst_states,
 )
-from fretfe.report.texts import direction_text, number
+from fretfe.report.texts import direction_text, number, with_prefix
 from fretfe.report.theme import (
     BLUE,
     CYCLE,
@@ -265,9 +265,9 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
         seen = np.union1d(envelope(slip), envelope(force))
-        axes.plot(slip[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
+        scale, length = with_prefix(shown.run.case.units.length, float(np.abs(slip).max()))
+        axes.plot(slip[seen] / scale, force[seen], ".-", ms=4, lw=1.2, color=BLUE)
         plain_axis(axes, "x")
-        length = shown.run.case.units.length
         axes.set_xlabel(f"mean slip since the first of these states [{length}]")
         axes.set_ylabel(f"{name} [{shown.run.unit('force')}]")
 
@@ -374,14 +374,16 @@ def _work_loop(
         reduced = without_slope(force, displacement)
         for axes, values in zip(panels, (displacement - middle, reduced), strict=True):
             seen = np.union1d(envelope(values), envelope(force))
-            axes.plot(values[seen], force[seen], ".-", ms=4, lw=1.2, color=BLUE)
+            scale, unit_shown = with_prefix(moved_unit, float(np.abs(values).max()))
+            axes.plot(values[seen] / scale, force[seen], ".-", ms=4, lw=1.2, color=BLUE)
             plain_axis(axes, "x")
-            less = f" {'less' if middle > 0 else 'plus'} {abs(middle):g}" if middle else ""
-            axes.set_xlabel(f"{moved}{less} [{moved_unit}]")
+            name = "less its slope" if values is reduced else moved
+            if middle and values is not reduced:
+                name += f" {'less' if middle > 0 else 'plus'} {abs(middle):g} {moved_unit}"
+            axes.set_xlabel(f"{name} [{unit_shown}]")
             axes.tick_params(axis="x", labelrotation=30)
         if np.ptp(force) <= ROUND_OFF * np.abs(force).max():
             panels[0].set_yticks([force[0]], [number(float(force[0]))])
-        panels[1].set_xlabel(f"the same less its slope [{moved_unit}]")
         panels[0].set_ylabel(f"{force_label} [{unit}]")
 
     return make_plot(

@@ -27,7 +27,7 @@ from fretfe.evaluate.stress import (
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 from fretfe.report.source import Shown, edge_title, inward
-from fretfe.report.texts import number, with_error
+from fretfe.report.texts import number, with_error, with_prefix
 from fretfe.report.theme import (
     BLUE,
     CYCLE,
@@ -50,9 +50,9 @@ from fretfe.report.theme import (
 )
 
 INTRO = (
-    "Means around each node. Dotted: pressure p; dashed, with shading between: friction bound ±f "
+    "Means around each node. Dashed: pressure p; dotted, with shading between: friction bound ±f "
     "p; solid: shear q on body 2; where bodies move along z, dash-dotted: q_z along it. Where the "
-    "solid line, or the length of both together, is on the dashed one, the contact slips or has "
+    "solid line, or the length of both together, is on the dotted one, the contact slips or has "
     "just slipped. The two states are the load extremes: largest and smallest K_T at the "
     "edge where it varies most, in the evaluated cycle or, if there is none, in the whole history."
 )
@@ -155,10 +155,10 @@ def _draw_contact(
         x = history.surface.arc[shown]
         pressure, shear, *along_z = history.mean_traction[state, shown].T
         bound = history.friction.at(state, shown) * pressure
-        panel.plot(x, pressure, color=colour, lw=0.8, ls=":", label=f"p, {time}")
+        panel.plot(x, pressure, color=colour, lw=1.6, ls=(0, (4, 1.5)), label=f"p, {time}")
         panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)
-        panel.plot(x, bound, color=colour, lw=0.8, ls="--", label=f"±f p, {time}")
-        panel.plot(x, -bound, color=colour, lw=0.8, ls="--")
+        panel.plot(x, bound, color=colour, lw=1.0, ls=":", label=f"±f p, {time}")
+        panel.plot(x, -bound, color=colour, lw=1.0, ls=":")
         panel.plot(x, shear, color=colour, lw=1.6, label=f"q, {time}")
         for values in along_z:
             panel.plot(x, values, color=colour, lw=1.2, ls="-.", label=f"q_z, {time}")
@@ -188,10 +188,11 @@ def local_plot(shown: Shown) -> Plot | None:
         return None
     units = shown.run.case.units
     most = int(np.argmax(found.work))
+    scale, unit = with_prefix(units.length, float(found.slip_range.max()))
     caption = (
         f"Most friction work: {number(found.work[most])} {shown.run.unit('density')} at x = "
         f"{number(shown.tractions.surface.arc[most])} {units.length}, where the slip ranges over "
-        f"{number(found.slip_range[most])} {units.length}."
+        f"{number(found.slip_range[most] / scale)} {unit}."
     )
     return make_plot(
         f"{shown.key}-local",
@@ -204,11 +205,12 @@ def local_plot(shown: Shown) -> Plot | None:
 
 def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     units, arc = shown.run.case.units, shown.tractions.surface.arc
-    labels = (f"range of slip [{units.length}]", f"[{shown.run.unit('density')}]")
+    scale, unit = with_prefix(units.length, float(found.slip_range.max()))
+    labels = (f"range of slip [{unit}]", f"[{shown.run.unit('density')}]")
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
     for (top, bottom), _, (low, high) in _edge_columns(panels, shown, labels):
         seen = (arc >= low) & (arc <= high)
-        top.plot(arc[seen], found.slip_range[seen], ".-", color=BLUE, lw=1.2, ms=4)
+        top.plot(arc[seen], found.slip_range[seen] / scale, ".-", color=BLUE, lw=1.2, ms=4)
         for values, colour, style, label in (
             (found.work, BLUE, "-", "friction work"),
             (found.pressed_path, GREEN, "--", "p times slip"),
@@ -350,9 +352,14 @@ def _edge_values(
 
 
 def draw_envelope(
-    axes: Axes, shown: Shown, edge: Station, window: tuple[float, float], states: tuple[int, int]
+    axes: Axes,
+    shown: Shown,
+    edge: Station,
+    window: tuple[float, float],
+    states: tuple[int, int],
+    scale: float,
 ) -> None:
-    """Range of the slip next to an edge between two states, the stick zone shaded."""
+    """Range of the slip, over `scale`, next to an edge between two states, stick shaded."""
     axes.set_xlim(*window)
     solution = shown.run.solution
     if not solution.keeps(*states):
@@ -360,6 +367,7 @@ def draw_envelope(
         return
     arc = shown.tractions.surface.arc
     slip, closed = _slip_range(shown, states)
+    slip = slip / scale
     touched = slip > 0
     stuck = closed & (slip <= SMALLEST_SLIP * slip.max(initial=0.0))
     seen = (arc >= window[0]) & (arc <= window[1])
@@ -408,11 +416,14 @@ def _draw_slip(figure: Figure, shown: Shown) -> None:
         for time in times[[first, last]]:
             panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
     irregular = any(edge.cycles.irregular for edge in shown.summary.stations)
+    scale, unit = 1.0, units.length
+    if irregular and shown.run.solution.keeps(first, last):
+        scale, unit = with_prefix(unit, float(_slip_range(shown, (first, last))[0].max()))
     for edge in shown.summary.stations:
         axes = panels[edge.front]
         window = edge_window(shown, edge, first, last)
         if irregular:
-            draw_envelope(axes, shown, edge, window, (first, last))
+            draw_envelope(axes, shown, edge, window, (first, last), scale)
         else:
             _status_map(axes, shown, *window, (first, last))
             zones = [zone for zone in edge.slip_zones if first < zone.end <= last]
@@ -424,7 +435,7 @@ def _draw_slip(figure: Figure, shown: Shown) -> None:
     for axes in panels.values():
         axes.set_xlabel(f"x [{units.length}]")
     panels["whole"].set_ylabel(f"time [{units.time}]")
-    below = f"range of slip [{units.length}]" if irregular else f"time [{units.time}]"
+    below = f"range of slip [{unit}]" if irregular else f"time [{units.time}]"
     panels["left"].set_ylabel(below)
     handles = [
         Patch(facecolor=colour, edgecolor="black", lw=0.4, label=name)

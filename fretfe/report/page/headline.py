@@ -191,9 +191,11 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
 def _sliding(run: Result) -> str:
     """Contacts of which all slips at a time, in one sentence."""
     texts = [
-        f"{contact.name} in {percent(contact.sliding_share, 0)} of the time, by "
+        f"{contact.name} in {_share(contact.sliding_share)} of the time, by "
         f"{number(contact.sliding_range, 3)} {run.unit('length')}, friction work "
-        f"{with_error(contact.reported_dissipation, contact.dissipation_spread)} {run.unit('work')}"
+        + _known(
+            with_error(contact.reported_dissipation, contact.dissipation_spread), run.unit("work")
+        )
         for contact in run.contacts
         if contact.sliding_share > 0
     ]
@@ -201,6 +203,10 @@ def _sliding(run: Result) -> str:
         return ""
     what = "cycle" if run.loads.cycle is not None else "history"
     return f"Slides as a whole in the {what}: {'; '.join(texts)}."
+
+
+def _share(part: float) -> str:
+    return percent(part, 0) if part >= 0.01 else "less than 1%"
 
 
 def _agreement(run: Result) -> str:

@@ -25,6 +25,7 @@ from rich.table import Table
 from fretfe.caution import grouped
 from fretfe.errors import CaseError, ModelError
 from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.limits import ModelLimit
 from fretfe.faults import Fault, guarded
 from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
@@ -361,6 +362,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         pictures=pictures,
         plots=plots or draw_plots(run),
         certificate=guarded("certificate", lambda: _certificate_rows(run), lambda _: []),
+        limits=_nearest_limits(run),
         checks=guarded("checks of this run", lambda: _checks(run), lambda _: ()),
         meshes=refinement_tables(run.refinement),
         bodies=_table("table of bodies", lambda: body_table(run)),
@@ -377,6 +379,17 @@ def render(directory: Path, plots: Plots | None = None) -> str:
 def _table(name: str, make: Callable[[], Table | None]) -> Table | None:
     """A table, or an empty one whose title says why fretfe has not made it."""
     return guarded(name, make, lambda fault: plain_table(fault.text, ("",), text=1))
+
+
+def _nearest_limits(run: Result) -> list[ModelLimit]:
+    """Of each quantity the limit that is exceeded most, not measured, or else nearest."""
+    limits: dict[str, list[ModelLimit]] = {}
+    for limit in run.limits:
+        limits.setdefault(limit.quantity, []).append(limit)
+    return [
+        max(each, key=lambda one: (one.exceeded, math.isnan(one.found), one.found / one.limit))
+        for each in limits.values()
+    ]
 
 
 def _checks(run: Result) -> tuple[Row, ...]:

@@ -8,7 +8,7 @@ texts are drawn around an image, and lines upon it, by Matplotlib.
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -248,23 +248,29 @@ class Scene:
         self._plotter.render()
         return np.array(self._plotter.screenshot(return_img=True)[..., :3])
 
-    def export(self, bodies: Sequence[BodyField], scale: float, path: Path) -> None:
-        """Write bodies in their deformed shape as a glTF file with colours at the nodes.
+    def export(self, bodies: Mapping[str, BodyField], scale: float, path: Path) -> None:
+        """Write bodies, with their names, in their deformed shape as a glTF file.
+
+        Colours are those at the nodes.
 
         Raises:
             OSError: if it cannot be written, of which VTK says nothing.
         """
         self._plotter.clear_actors()
-        for body in bodies:
+        for body in bodies.values():
             actor = self._add(surface(body, scale), lighting=False, interpolate_before_map=False)
             # Viewers of glTF multiply the colours by this one.
             actor.prop.color = "white"
         with replacing(path) as new:
             self._plotter.export_gltf(new)
             try:
-                json.loads(new.read_bytes())
+                scene = json.loads(new.read_bytes())
             except ValueError:
                 raise cut_off(new) from None
+            for node in (each for each in scene["nodes"] if "mesh" in each):
+                name = list(bodies)[node["mesh"]]
+                node["name"] = scene["meshes"][node["mesh"]]["name"] = name
+            new.write_text(json.dumps(scene, ensure_ascii=False), encoding="utf-8")
 
     def _add(self, mesh: Any, **look: Any) -> Any:
         """Add a mesh in the colours of its stress, which follow it between the nodes."""

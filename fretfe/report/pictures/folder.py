@@ -100,7 +100,7 @@ def _lacks(run: Result, wanted: Wanted) -> str:
     if not run.bodies:
         return f"the backend {run.backend!r} has no bodies to draw"
     if wanted.kind == "edges" and not wanted.edges:
-        return "the last state has no contact edges, or too few nodes in contact to find them"
+        return "the load extremes have no contact edges, or too few nodes in contact to find them"
     if wanted.kind == "cycle" and len(run.loads.times) < 2:
         return "no step was solved"
     if wanted.kind == "cycle" and not cycle_frames(run):

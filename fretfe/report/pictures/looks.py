@@ -24,7 +24,7 @@ from fretfe.results.model import Result
 T = TypeVar("T")
 
 # Panels in one picture.
-MOST_EDGES = 4
+MOST_EDGES = 6
 MOST_CONTACTS = 4
 STRESS = "Stress in the bodies at the load extremes"
 
@@ -56,6 +56,8 @@ TILT = (0.3, 0.2)
 AROUND = 2.2
 # Areas of contacts that face opposite ways, over those of all, below which they are balanced.
 BALANCED = 0.1
+# Part of the largest area along an axis from which y is upright.
+Y_UPRIGHT = 0.6
 # Distance of a cut from the ends of the contact, in parts of its length across the cut.
 FROM_ENDS = 0.1
 # An axis this close to the normal of a cut cannot be upright.
@@ -69,11 +71,12 @@ TETRAHEDRA = {
 
 @dataclass(frozen=True)
 class EdgePlace:
-    """An edge of a contact, at the last state.
+    """An edge of a contact at a state.
 
     Attributes:
         contact: name.
         title: of its panel.
+        state: that is shown.
         position: along the arc.
         slip: length of the longer one of its last two slip zones; 0 if there is none.
         half_width: of the contact.
@@ -82,6 +85,7 @@ class EdgePlace:
 
     contact: str
     title: str
+    state: int
     position: float
     slip: float
     half_width: float
@@ -132,10 +136,9 @@ def _plan_solids(run: Result) -> list[Wanted]:
 
 def _plan_plane(run: Result) -> list[Wanted]:
     states = tuple(extremes(run))
-    last = len(run.loads.times) - 1
     bodies = Wanted("stress.png", STRESS, "bodies", states)
     edges = [
-        Wanted(f"edges{mark}.png", f"Stress at the contact edges{part}", "edges", (last,), chunk)
+        Wanted(f"edges{mark}.png", f"Stress at the contact edges{part}", "edges", states, chunk)
         for mark, part, chunk in _chunks(_edge_places(run), MOST_EDGES) or [("", "", ())]
     ]
     status = [
@@ -159,22 +162,24 @@ def _chunks(items: Sequence[T], most: int) -> list[tuple[str, str, tuple[T, ...]
 
 
 def _edge_places(run: Result) -> list[EdgePlace]:
-    """All edges that the last state has."""
+    """All edges that there are at the load extremes."""
     places = []
     for contact in run.contacts:
-        for edge in contact.stations:
-            position, half_width = float(edge.position[-1]), float(contact.half_width[-1])
+        for edge, state in itertools.product(contact.stations, extremes(run)):
+            position, half_width = float(edge.position[state]), float(contact.half_width[state])
             if np.isfinite([position, half_width]).all():
                 zones = edge.slip_zones[-2:]
                 slip = float(max((zone.length for zone in zones if not zone.gross), default=0.0))
                 gross = any(zone.gross for zone in zones)
                 title = f"{contact.name}, {edge_title(edge)}"
-                places.append(EdgePlace(contact.name, title, position, slip, half_width, gross))
+                places.append(
+                    EdgePlace(contact.name, title, state, position, slip, half_width, gross)
+                )
     return places
 
 
 def edges_left_out(run: Result) -> list[str]:
-    """Titles of the edges of contacts that have not both their edges in the last state."""
+    """Titles of the edges of contacts that have not both their edges at a load extreme."""
     shown = {edge.title for edge in _edge_places(run)}
     titles = [f"{each.name}, {edge_title(edge)}" for each in run.contacts for edge in each.stations]
     return [title for title in titles if title not in shown]
@@ -203,7 +208,7 @@ def find_look(source: Fields, states: Sequence[int]) -> Look:
     """The look that suits some states."""
     fields = [body for state in states for body in source.bodies(state).values()]
     contacts = source.run.solution.contacts
-    scale = deformation_scale(fields, contacts, states)
+    scale = deformation_scale(fields, contacts, states, _interference(source.run, states))
     if source.dimension == 2:
         view = _surroundings([body.deformed(factor) for body in fields for factor in (0.0, scale)])
         limit, largest = colour_limit([(body, None) for body in fields], BODIES_PERCENTAGE)
@@ -218,8 +223,21 @@ def find_look(source: Fields, states: Sequence[int]) -> Look:
     return Look(scale, limit, largest, (whole, cut), contact.name)
 
 
+def _interference(run: Result, states: Sequence[int]) -> float:
+    """The largest overlap by which loads press surfaces apart in some states."""
+    columns = [
+        number
+        for number, name in enumerate(run.loads.channels)
+        if run.case.loads[name].type == "interference"
+    ]
+    return float(np.abs(run.loads.values[np.ix_(list(states), columns)]).max(initial=0.0))
+
+
 def deformation_scale(
-    fields: Sequence[BodyField], contacts: Sequence[ContactHistory], states: Sequence[int]
+    fields: Sequence[BodyField],
+    contacts: Sequence[ContactHistory],
+    states: Sequence[int],
+    interference: float = 0.0,
 ) -> float:
     """Round factor of the displacements that shows them and lets no bodies overlap visibly.
 
@@ -230,10 +248,13 @@ def deformation_scale(
         fields: of all bodies at all states that are drawn.
         contacts: between them.
         states: that are drawn.
+        interference: by which bodies move apart that touch before and after.
     """
     size = float(np.ptp(np.concatenate([body.grid.points for body in fields]), axis=0).max())
     largest = max(float(np.linalg.norm(body.displacement, axis=1).max()) for body in fields)
     scales = [DRAWN_DISPLACEMENT * size / largest] if largest > 0 else [1.0]
+    if interference > 0:
+        scales.append(DRAWN_OVERLAP * size / interference)
     for contact in contacts:
         for state in states:
             closing = contact.gap[0] - contact.gap[state]
@@ -339,15 +360,17 @@ def nearest_node(point: Array, body: BodyField) -> int:
 
 
 def _whole(points: Array, contacts: Sequence[ContactHistory]) -> SpaceView:
-    """All bodies, the axis along which the contacts press together upright.
+    """All bodies, y upright unless the contacts press together along another axis.
 
     Flanks to either side of a blade press it up. Contacts that press against one another alone, as
-    on both sides of a plate, are taken one by one.
+    on both sides of a plate, are taken one by one. A single flank stands as it does with the other
+    one.
     """
     normals = np.array([each.surface.weights @ each.surface.frames[:, 0] for each in contacts])
     together = np.abs(normals.sum(axis=0))
     alone = np.abs(normals).sum(axis=0)
-    top = int(np.argmax(together if together.max() > BALANCED * alone.max() else alone))
+    pressed = together if together.max() > BALANCED * alone.max() else alone
+    top = 1 if pressed[1] > Y_UPRIGHT * pressed.max() else int(np.argmax(pressed))
     viewer = np.zeros(3)
     viewer[[(top + 1) % 3, (top + 2) % 3, top]] = WHOLE
     view = _towards(np.zeros(3), viewer, np.eye(3)[top])

@@ -437,6 +437,8 @@ def shares_text(contact: ContactHistory, state: int) -> str:
     total = sum(lengths.values())
     if total == 0:
         return "open"
+    if not contact.friction.at(state, status != OPEN).any():
+        return "in contact, without friction"
     return ", ".join(f"{NAMES[kind]} {length / total:.1%}" for kind, length in lengths.items())
 
 

@@ -28,7 +28,7 @@ Pixels = npt.NDArray[np.uint8]
 # Panels that are this part of the largest ones will do.
 SLIGHTLY = 0.9
 # Inches that the texts around a panel take, roughly: enough to choose the number of columns.
-TEXTS = 0.8
+TEXTS = 0.7
 # Layouts until a picture has its size: colour bars change a little with it.
 PASSES = 3
 # Height of a colour bar over its width.

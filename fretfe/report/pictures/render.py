@@ -29,6 +29,7 @@ from fretfe.environment import memory_shortage, missing_package
 from fretfe.errors import FretfeError
 from fretfe.faults import said, trace_of
 from fretfe.files import disk_reason, replacing
+from fretfe.history.solution import OPEN
 from fretfe.report.pictures.fields import EDGES, BodyField, Fields, Scene, open_fields
 from fretfe.report.pictures.looks import (
     BODIES_PERCENTAGE,
@@ -42,6 +43,7 @@ from fretfe.report.pictures.looks import (
     edges_left_out,
     find_look,
     plan_pictures,
+    round_down,
 )
 from fretfe.report.pictures.panels import (
     BAR_ASPECT,
@@ -77,6 +79,7 @@ from fretfe.report.theme import (
     OUTLINE,
     PICTURE_WIDTH,
     UNDEFORMED,
+    VERMILLION,
 )
 from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import PICTURES
@@ -105,9 +108,7 @@ def draw_bodies(
         else:
             panel.set_xticks([])
             panel.set_yticks([])
-            title = state_title(run, state) if view.cut is None else ""
-            size = f"panel {rounded(2 * float(view.half_size[0]))} {units.length} wide"
-            panel.set_title("\n".join(filter(None, [title, size])))
+            panel.set_title(state_title(run, state) if view.cut is None else "")
     _add_bar(figure, axes, look.limit, units.stress)
     settle(figure, axes, aspect, f"Von Mises stress, displacements × {look.scale:g}")
     for panel, (view, state) in zip(axes, shown, strict=True):
@@ -115,6 +116,9 @@ def draw_bodies(
         show_image(panel, scene.image(bodies, look.scale, view, panel_pixels(panel)))
         if isinstance(view, SpaceView):
             _draw_axes(panel, view)
+            _draw_scale(panel, view, units.length)
+            if view.cut is None:
+                _name_parts(panel, source, state, look.scale, view)
         else:
             before = [body.grid.points[body.grid.outline] for body in bodies]
             draw_lines(panel, before, **UNDEFORMED)
@@ -137,31 +141,34 @@ def bodies_caption(source: Fields, states: Sequence[int], look: Look) -> str:
     assert cut.cut is not None
     place = ", ".join(number(float(value) + 0.0) for value in cut.centre)
     return (
-        f"{text}. Below: cut open at the contact {look.contact}, through its largest pressure at "
-        f"({place}) {source.run.case.units.length} and across {direction_text(cut.cut)}. "
+        f"{text}. Red dots: nodes in contact, seen through the bodies. Below: cut open at the "
+        f"contact {look.contact}, through its largest pressure at ({place}) "
+        f"{source.run.case.units.length} and across {direction_text(cut.cut)}. "
         f"{_colour_text(source, *limits, 'volume around the contact')} Outer surfaces are shaded, "
         "the cut is not."
     )
 
 
 @mpl.rc_context(FRAMED)
-def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[Figure, str]:
+def draw_edges(source: Fields, edges: Sequence[EdgePlace]) -> tuple[Figure, str]:
     """The surroundings of some contact edges with their elements, and the caption."""
-    run, bodies = source.run, source.bodies(state)
+    run = source.run
+    states = sorted({edge.state for edge in edges})
     contacts = {contact.name: contact for contact in run.solution.contacts}
-    views = [edge_view(contacts[edge.contact], edge, bodies) for edge in edges]
+    views = [edge_view(contacts[edge.contact], edge, source.bodies(edge.state)) for edge in edges]
     shown = [(body, view) for view, moved in views for body in moved.values()]
     limit, largest = colour_limit(shown, EDGES_PERCENTAGE)
-    figure, axes = panels(len(edges), EDGE_ASPECT)
+    columns = len(states) if len(states) > 1 else None
+    figure, axes = panels(len(edges), EDGE_ASPECT, columns=columns)
     unit = run.case.units.length
     for panel, edge, (view, _) in zip(axes, edges, views, strict=True):
         set_limits(panel, view)
-        name_axes(panel, "distance from the edge along x", "along y", unit)
+        name_axes(panel, "from the edge along x", "along y", unit)
         slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
         slip = "gross slip" if edge.gross else slip
-        panel.set_title(f"{edge.title}\n{slip}")
+        panel.set_title(f"{edge.title}, {when(run, edge.state)}\n{slip}")
     _add_bar(figure, axes, limit, run.case.units.stress)
-    settle(figure, axes, EDGE_ASPECT, f"Von Mises stress at the contact edges, {when(run, state)}")
+    settle(figure, axes, EDGE_ASPECT, "Von Mises stress at the contact edges")
     scene = Scene(limit)
     for panel, (view, moved) in zip(axes, views, strict=True):
         show_image(panel, scene.image(list(moved.values()), 1.0, view, panel_pixels(panel)))
@@ -169,13 +176,13 @@ def draw_edges(source: Fields, state: int, edges: Sequence[EdgePlace]) -> tuple[
             _draw_elements(panel, body, view)
     scene.close()
     missing = edges_left_out(run)
-    why = "contacts without both edges found then"
+    why = "contacts without both edges found at a load extreme"
     left_out = f" Left out ({why}): {'; '.join(missing)}." if missing else ""
     return figure, (
         f"Von Mises equivalent stress and elements around the contact edges at "
-        f"{when(run, state)}, displacements in true size. Each panel is turned into the frame of "
-        "its contact, with body 2 below; its origin is the edge, on both bodies, so sliding of a "
-        "whole body along x is not visible. "
+        f"{times_text(run, states)}, displacements in true size. Each panel is turned into the "
+        "frame of its contact, with body 2 below; its origin is the edge, on both bodies, so "
+        "sliding of a whole body along x is not visible. "
         f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE, 'area shown, panels alike')}"
         f"{left_out}"
     )
@@ -230,6 +237,37 @@ def _draw_axes(panel: Axes, view: SpaceView) -> None:
         )
 
 
+def _draw_scale(panel: Axes, view: SpaceView, unit: str) -> None:
+    """A bar of round length in a lower corner of a panel."""
+    half_width, half_height = view.half_size
+    length = round_down(0.5 * float(half_width))
+    right, low = 0.94 * half_width, -0.92 * half_height
+    panel.plot(
+        [right - length, right], [low, low], color="black", lw=2.0, path_effects=HALO,
+        solid_capstyle="butt",
+    )  # fmt: skip
+    panel.annotate(
+        f"{length:g} {unit}", (right - length / 2, low), (0.0, 3.0), textcoords="offset points",
+        ha="center", va="bottom", path_effects=HALO,
+    )  # fmt: skip
+
+
+def _name_parts(panel: Axes, source: Fields, state: int, scale: float, view: SpaceView) -> None:
+    """Mark the nodes in contact, which bodies may hide, and write the names of the bodies."""
+    for contact in source.run.solution.contacts:
+        closed = contact.surface.points[contact.status[state] != OPEN]
+        x, y = ((closed - view.centre) @ view.across.T).T
+        panel.plot(x, y, ls="", marker=".", ms=1.0, mew=0.0, alpha=0.6, color=VERMILLION)
+    middles = [contact.surface.points.mean(axis=0) for contact in source.run.solution.contacts]
+    for name, body in source.bodies(state).items():
+        # Between the middle of the body and what of it is farthest from all contacts.
+        places = body.deformed(scale)
+        distances = [np.linalg.norm(places - middle, axis=1) for middle in middles]
+        farthest = places[int(np.min(distances, axis=0).argmax())]
+        x, y = ((places.mean(axis=0) + 2 * farthest) / 3 - view.centre) @ view.across.T
+        panel.text(x, y, name, ha="center", va="center", path_effects=HALO)
+
+
 def draw_pictures(directory: Path, files: list[str]) -> None:
     """Draw some of the pictures of a results folder.
 
@@ -282,7 +320,7 @@ def _draw_picture(source: Fields, wanted: Wanted) -> dict[str, Any]:
         caption = bodies_caption(source, states, look)
         scene.close()
     else:
-        figure, caption = draw_edges(source, states[-1], wanted.edges)
+        figure, caption = draw_edges(source, [e for e in wanted.edges if e.state in states])
     # Shades of solids have other colours too.
     width, height = save_png(figure, path, COLOURS if source.dimension == 2 else None)
     return {**report, "caption": caption, "width": width, "height": height}
@@ -346,7 +384,7 @@ def _export(source: Fields, state: int, path: Path) -> Look:
     """Write the bodies at a state as a glTF file, and return their look."""
     look = find_look(source, [state])
     scene = Scene(look.limit)
-    scene.export(list(source.bodies(state).values()), look.scale, path)
+    scene.export(source.bodies(state), look.scale, path)
     scene.close()
     return look
 

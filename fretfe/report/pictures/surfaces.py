@@ -57,10 +57,10 @@ ASIDE = 16.0
 BORDER = 0.1
 # Height of a panel over its width, at least: a slender contact is drawn wider than it is.
 LOWEST = 0.3
-LEGEND_COLUMNS = 5
+LEGEND_COLUMNS = 3
 # Colours of the pressure. Places of arrows along the longer side, and along the shorter one.
 LEVELS = 12
-ARROWS = (20, 12)
+ARROWS = (12, 8)
 # Arrows of less shear than this fraction of the largest are left out; length of the longest in
 # distances between arrows, and their width in inches.
 SHORTEST = 0.03
@@ -72,7 +72,7 @@ LINES: dict[str, dict[str, Any]] = {
 }
 FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
 # Dots per inch of a frame; frames and bytes at most.
-FRAME_DPI = 100
+FRAME_DPI = 160
 MOST_FRAMES = 60
 MOST_BYTES = 2_000_000
 
@@ -129,8 +129,8 @@ def _name(
     )  # fmt: skip
 
 
-def fronts_reading(fronts: Sequence[Front]) -> str:
-    """Legend of the fronts; empty without any."""
+def fronts_reading(fronts: Sequence[Front], states: Sequence[int]) -> str:
+    """Legend of the fronts in some states; empty without any."""
     if not fronts:
         return ""
     marked = [f"{front.worst.number} of {front.name}" for front in fronts if front.worst]
@@ -140,7 +140,15 @@ def fronts_reading(fronts: Sequence[Front]) -> str:
         if marked
         else ""
     )
-    return f" Coloured: the smooth front with its stations{which}."
+    lost = [
+        station
+        for front in fronts
+        for station in front.stations
+        if not np.isfinite(station.position[list(states)]).all()
+    ]
+    why = next((each.lack.text for each in lost if each.lack.text), "the pressure ends elsewhere")
+    breaks = f" The line breaks off where the front is not found ({why})." if lost else ""
+    return f" Coloured: the smooth front with its stations{which}.{breaks}"
 
 
 @dataclass(frozen=True)
@@ -210,6 +218,9 @@ def lay_out(run: Result, name: str, states: Sequence[int]) -> Sheet:
     width, height = np.ptp(plane.places[shown], axis=0)
     if height > width:
         plane = plane.turned()
+    if plane.names[1].startswith("−"):
+        # Up is where the axis of the case grows.
+        plane = plane.turned().turned()
     low, high = plane.places[shown].min(axis=0), plane.places[shown].max(axis=0)
     # A single row of nodes has no height.
     margin = BORDER * np.maximum(high - low, 0.05 * (high - low).max())
@@ -243,7 +254,7 @@ def draw_surface(run: Result, name: str, states: Sequence[int]) -> tuple[Figure,
         figure,
         f"Pressure and shear, and below stick and slip, at {times_text(run, states)}. "
         + reading(sheet)
-        + fronts_reading(fronts),
+        + fronts_reading(fronts, states),
     )
 
 
@@ -258,7 +269,7 @@ def frame(panel: Axes, sheet: Sheet) -> None:
     """Limits and names of the axes of a panel."""
     panel.set_xlim(sheet.low[0], sheet.high[0])
     panel.set_ylim(sheet.low[1], sheet.high[1])
-    first, second = (f"along {name}" for name in sheet.plane.names)
+    first, second = (f"towards {name}" for name in sheet.plane.names)
     name_axes(panel, first, second, sheet.run.case.units.length)
 
 
@@ -315,7 +326,7 @@ def _draw_edges(panel: Axes, sheet: Sheet, state: int) -> None:
 
 
 def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
-    """The shear on body 2 at places of a regular grid, from the nearest node in contact."""
+    """The shear on body 2 at the nodes in contact that are nearest to places of a regular grid."""
     closed = np.flatnonzero(sheet.contact.status[state] != OPEN)
     if not len(closed) or sheet.shear <= 0:
         return
@@ -323,7 +334,7 @@ def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
     from scipy.spatial import cKDTree
 
     size = sheet.high - sheet.low
-    counts = np.array([ARROWS[0], round(float(np.clip(ARROWS[0] * sheet.aspect, 6, ARROWS[1])))])
+    counts = np.array([ARROWS[0], round(float(np.clip(ARROWS[0] * sheet.aspect, 5, ARROWS[1])))])
     lines = [
         low + (np.arange(count) + 0.5) * extent / count
         for low, extent, count in zip(sheet.low, size, counts, strict=True)
@@ -332,12 +343,12 @@ def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
     # Distances in cells of the grid: as they are seen where the axes differ.
     cell = size / counts
     distance, nearest = cKDTree(sheet.plane.places / cell).query(grid / cell)
-    shear = sheet.shear_at(state)[nearest]
-    length = np.linalg.norm(shear, axis=1)
-    chosen = (distance < 1) & np.isin(nearest, closed) & (length > SHORTEST * sheet.shear)
+    nodes = np.intersect1d(nearest[distance < 1], closed)
+    shear = sheet.shear_at(state)[nodes]
+    long = np.linalg.norm(shear, axis=1) > SHORTEST * sheet.shear
     spacing = float((panel_inches(panel) / counts).min())
     panel.quiver(
-        *grid[chosen].T, *shear[chosen].T, angles="uv", scale_units="inches",
+        *sheet.plane.places[nodes[long]].T, *shear[long].T, angles="uv", scale_units="inches",
         scale=sheet.shear / (LONGEST * spacing), units="inches", width=ARROW_WIDTH, pivot="mid",
         headwidth=4.0, headlength=4.5, headaxislength=4.0, minshaft=1.2,
         facecolor="black", edgecolor="white", linewidth=0.5,
@@ -347,10 +358,7 @@ def _draw_arrows(panel: Axes, sheet: Sheet, state: int) -> None:
 def reading(sheet: Sheet) -> str:
     """Legend of the picture of a surface."""
     plane, units = sheet.plane, sheet.run.case.units
-    axes = ", ".join(
-        f"{name} points along {direction_text(direction)}"
-        for name, direction in zip(plane.names, plane.directions, strict=True)
-    )
+    right, up = (direction_text(direction) for direction in plane.directions)
     middle = ", ".join(number(float(value) if abs(value) > 1e-9 else 0.0) for value in plane.middle)
     stretched = "" if sheet.true_aspect >= LOWEST else " The axes have different scales."
     arrows = (
@@ -361,7 +369,8 @@ def reading(sheet: Sheet) -> str:
     )
     return (
         f"The surface is seen from outside body 2, {plane.how}; in its middle, at ({middle}) "
-        f"{units.length}, {axes}.{stretched}{arrows} Solid line: border of the contact; dashed: "
+        f"{units.length}, {right} points to the right and {up} up.{stretched}{arrows} "
+        "Solid line: border of the contact; dashed: "
         "border of its part that sticks."
     )
 

@@ -30,7 +30,6 @@ class Unrolled:
     Attributes:
         places: (N, 2) of the nodes, from the middle of the surface.
         axes: (N, 2, 3) unit vectors along the surface that lie along the axes of the plane.
-        names: of the axes, after the tangents of the contact.
         directions: (2, 3) of the axes in the middle.
         middle: (3,) centre of the surface.
         how: it came into the plane, in words.
@@ -38,10 +37,15 @@ class Unrolled:
 
     places: Array
     axes: Array
-    names: tuple[str, str]
     directions: Array
     middle: Array
     how: str
+
+    @property
+    def names(self) -> tuple[str, str]:
+        """Names of the axes: the axes of the case that they come nearest to, with their signs."""
+        first, second = (towards(direction) for direction in self.directions)
+        return first, second
 
     def at(self, contact: ContactHistory, points: Array) -> Array:
         """(n, 2) where points (n, 3) on the surface, or close to it, lie in the plane.
@@ -65,9 +69,14 @@ class Unrolled:
             self,
             places=_quarter(self.places, 1),
             axes=_quarter(self.axes, 1),
-            names=(self.names[1], f"−{self.names[0]}"),
             directions=_quarter(self.directions, 0),
         )
+
+
+def towards(direction: Array) -> str:
+    """The axis of the case that a direction (3,) comes nearest to, with its sign."""
+    place = int(np.abs(direction).argmax())
+    return f"{'' if direction[place] > 0 else '−'}{'xyz'[place]}"
 
 
 def _quarter(values: Array, axis: int) -> Array:
@@ -99,7 +108,7 @@ def unroll(contact: ContactHistory) -> Unrolled:
             shorter = "much" if flattest < STEEPEST else f"up to {1 - flattest:.0%}"
             how = "curved in two directions and projected: on its slopes lengths appear "
             how += f"{shorter} shorter"
-    return Unrolled(places, axes, ("t₁", "t₂"), directions, middle, how)
+    return Unrolled(places, axes, directions, middle, how)
 
 
 def _axis(normals: Array, shares: Array) -> tuple[Array, float]:
