@@ -21,7 +21,7 @@ from fretfe.backends import Backend, Observer, Processes, RunOptions, find_backe
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.case import Case
 from fretfe.environment import memory_shortage, missing_package
-from fretfe.errors import FretfeError, MemoryShortError, ModelError, OutputError
+from fretfe.errors import CaseError, FretfeError, MemoryShortError, ModelError, OutputError
 from fretfe.faults import (
     Collected,
     Fault,
@@ -38,13 +38,16 @@ from fretfe.results.field_files import FIELDS
 from fretfe.results.hdf5_file import STRESSES
 from fretfe.results.model import Result
 from fretfe.results.run_folder import locked
-from fretfe.results.writer import prepare_directory, remove_old_report
+from fretfe.results.writer import ENDS, prepare_directory, remove_old_report
 from fretfe.work import ROWS, RUN, StepNotes, Work
 
 if TYPE_CHECKING:
+    from fretfe.exchange.submodel import Submodel
     from fretfe.mesh.mesh import Mesh
+    from fretfe.quality.ends import EndAnswer
     from fretfe.quality.validation import Validation
     from fretfe.report.page.html import Plots
+    from fretfe.results.front_ends import FrontEnd
     from fretfe.sweeps import Solved, Sweep
 
 T = TypeVar("T")
@@ -124,7 +127,27 @@ class Runner:
         """
         with collecting(output) as collected:
             result = self._run(case, output, observer, resume, mesh)
-            return replace(result, faults=self._all_faults(result, collected))
+            result = replace(result, faults=self._all_faults(result, collected))
+        if case.edges.ends and output is not None and result.failure is None:
+            self._solve_worst_end(output, observer)
+        return result
+
+    def _solve_worst_end(self, directory: Path, observer: Observer) -> None:
+        """Solve parts around the worst free end of a run, unless that was done before."""
+        from fretfe.exchange.submodel import write_submodel
+        from fretfe.quality.ends import read_answers
+        from fretfe.results.front_ends import worst_end
+        from fretfe.results.reader import load_result
+
+        def wanted() -> str:
+            run = load_result(directory)
+            end = worst_end(run)
+            return "" if end is None or read_answers(run) else end.name
+
+        name = self.processes.on_root(wanted)
+        if name:
+            folder = directory / ENDS / name
+            self.solve_end(directory, lambda run: write_submodel(run, name, folder), None, observer)
 
     def _run(
         self,
@@ -268,22 +291,54 @@ class Runner:
             self.write(lambda: work.close(result))
         return validation
 
-    def run_all(self, read: Callable[[], Sequence[Case]], observer: Observer) -> list[Result]:
-        """Solve cases one after the other, each with a folder beside its file.
+    def solve_end(
+        self,
+        directory: Path,
+        write: Callable[[Result], Submodel],
+        length: float | None = None,
+        observer: Observer = SILENT,
+    ) -> EndAnswer:
+        """Solve two parts around a free end of a run, each in a folder beside its case.
+
+        What they find is written beside the cases, too.
 
         Args:
-            read: the cases; on the first process.
+            directory: of the run.
+            write: the cases; on the first process.
+            length: of the front next to the end, as for `end_answer`.
             observer: follows the runs.
 
         Raises:
-            FretfeError: if one of them cannot be solved; what was solved is written before.
+            CaseError: if the part is around something else.
+            FretfeError: if one of them cannot be solved.
         """
-        results = []
-        for case in self.processes.on_root(read):
-            results.append(self.run(case, case.source.with_suffix(""), observer))
-            if (failure := results[-1].failure) is not None:
+        from fretfe.quality.ends import end_answer, write_answer
+        from fretfe.results.reader import load_result
+
+        known: list[tuple[Result, FrontEnd]] = []
+
+        def cases() -> tuple[Case, ...]:
+            run = load_result(directory)
+            found = write(run)
+            if found.end is None:
+                raise CaseError("--run: expected a free end of a front (--around)")
+            known.append((run, found.end))
+            return found.cases
+
+        solved = []
+        for case in self.processes.on_root(cases):
+            solved.append(self.run(case, case.source.with_suffix(""), observer))
+            if (failure := solved[-1].failure) is not None:
                 raise failure
-        return results
+        fine, coarse = solved
+
+        def answer() -> EndAnswer:
+            run, end = known[0]
+            found = end_answer(run, end.name, fine, coarse, length)
+            write_answer(run, found, fine.case.source.parent)
+            return found
+
+        return self.processes.on_root(answer)
 
     @contextmanager
     def _at_work(self, work: Work, observer: Observer) -> Iterator[Work]:

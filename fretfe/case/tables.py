@@ -232,6 +232,11 @@ class Edges(Table):
         description="Whether the plane problem next to every station of solids is solved, which "
         "gives its slip zones where the elements of the bodies do not resolve them.",
     )
+    ends: bool = Field(
+        default=False,
+        description="Whether parts around the free end with the largest |ΔK| are solved after the "
+        'run, as by fretfe submodel --run. It takes geometry.solid and output.fields = "all".',
+    )
     reference_length: Positive | None = Field(
         default=None,
         description="Length at which K_N, K_T and K_I are told at edges between unlike "

@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Callable, Sequence
 from dataclasses import asdict
 from enum import StrEnum
 from pathlib import Path
@@ -31,10 +30,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from fretfe._typing import Array
-    from fretfe.case import Case
     from fretfe.evaluate import EdgeAnalysis, Estimate, TractionAnalysis
     from fretfe.exchange.comparison import Comparison
+    from fretfe.exchange.submodel import Submodel
     from fretfe.exchange.traction_file import TractionTable
+    from fretfe.results.model import Result
 
 
 class Sign(StrEnum):
@@ -373,8 +373,14 @@ def submodel(
         ),
     ],
     output: Annotated[
-        Path, typer.Option("--output", "-o", help="Folder for the case; made if missing.")
-    ],
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            help="Folder for the case; made if missing. With --run: ends/END in that of the run.",
+            show_default=False,
+        ),
+    ] = None,
     radius: Annotated[
         float | None,
         typer.Option(
@@ -408,47 +414,33 @@ def submodel(
         return
     from fretfe.api import load_result
     from fretfe.exchange.submodel import told, write_submodel
+    from fretfe.results.writer import ANSWER, ENDS
 
-    def write() -> tuple[Case, ...]:
-        result = load_result(results)
-        found = write_submodel(result, around, output, radius, size, trust_geo=trust_geo)
+    folder = output or results / ENDS / around
+    if output is None and not solve:
+        raise CaseError("--output: expected a folder for the case, found none")
+
+    def write(result: Result) -> Submodel:
+        found = write_submodel(result, around, folder, radius, size, trust_geo=trust_geo)
         for line in told(found, result.case.units.length):
             print(line)
         for case in found.cases:
             print(f"Case {case.source}", flush=True)
-        if solve and found.end is None:
-            raise CaseError(f"--run: expected a free end of a front (--around), found {around!r}")
-        return found.cases
+        return found
 
-    if solve:
-        _solve_end(results, around, write, length)
-    else:
-        write()
-
-
-def _solve_end(
-    results: Path, around: str, write: Callable[[], Sequence[Case]], length: float | None
-) -> None:
-    """Solve the parts around a free end, and print and write what they say of it."""
-    from fretfe.api import load_result
-    from fretfe.cli.options import Verbosity
+    if not solve:
+        write(load_result(results))
+        return
     from fretfe.cli.progress import StepReport
-    from fretfe.exchange.end_files import end_lines, write_end
-    from fretfe.quality.ends import end_answer
+    from fretfe.report.page.ends import end_lines
     from fretfe.runner import Runner
 
     runner = Runner.find("fem")
     if runner.processes.idle:
         return
-    with StepReport(runner.processes.rank, Verbosity.NORMAL, steps=False) as shown:
-        fine, coarse = runner.run_all(write, shown)
-
-    def answer() -> None:
-        run = load_result(results)
-        found = end_answer(run, around, fine, coarse, length)
-        for line in end_lines(run, found):
+    with StepReport(runner.processes.rank, steps=False) as shown:
+        answer = runner.solve_end(results, write, length, shown)
+    if runner.processes.rank == 0:
+        for line in end_lines(load_result(results), answer):
             print(line)
-        for path in write_end(run, found, fine.case.source.parent):
-            print(path)
-
-    runner.write(answer)
+        print(folder / ANSWER)

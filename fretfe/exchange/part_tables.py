@@ -28,6 +28,8 @@ TIME = "time"
 POSITION = "position"
 # Layers of a part around a free end on the length of its radius, where they do not grow any more.
 LAYERS = 12
+# Stations of its front, at most.
+STATIONS = 20
 
 
 def finer_tables(
@@ -89,8 +91,10 @@ def fine_at(
         times: larger elements, across the front and along it.
     """
     data = deepcopy(data)
-    # What is there says more than plane problems, which cost as much as the steps.
-    data.setdefault("edges", {})["local"] = False
+    # Plane problems say little there, and factors of more stations cost more than the steps.
+    edges = data.setdefault("edges", {})
+    edges |= {"local": False, "stations": min(edges.get("stations", STATIONS), STATIONS)}
+    edges.pop("ends", None)
     if size[0]:
         _set(data, size[0], size[1] * times)
     solid, radius = data["geometry"]["solid"], data["geometry"]["part"]["radius"]

@@ -10,19 +10,25 @@ power of the distance from the end there is no largest one, but a mean over a le
 
 from __future__ import annotations
 
+import json
 import math
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from pathlib import Path
 from typing import Annotated
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.errors import ModelError
+from fretfe.errors import ModelError, OutputError
 from fretfe.evaluate.contacts import Quantity, quantities
+from fretfe.files import json_value, replace_text, writing
 from fretfe.results.front_ends import FrontEnd, end_near, find_end, known_ranges, known_stations
 from fretfe.results.model import Result
+from fretfe.results.reader import restored
+from fretfe.results.writer import ANSWER, ENDS
 
+SCHEMA = {"name": "fretfe-end", "version": 1}
 # Part of the radius of a part within which its cut is far: ranges are wrong by a few per cent at
 # 1.5 half-widths from it, and by the fourth power of the distance.
 INNER = 0.5
@@ -52,14 +58,21 @@ class Rows:
     shear: Annotated[Array, Quantity("stress", "largest shear")]
     ratio: Annotated[Array, Quantity("", "largest ratio of shear to pressure")]
 
-    def within(self, name: str, length: float) -> tuple[Array, Array]:
-        """Distances up to a length, which is the last one, and a number of the rows there."""
-        ends = np.append(self.distance[self.distance < length], length)
-        return ends, np.interp(ends, self.distance, getattr(self, name))
+    def within(self, name: str, length: float, step: int = 1) -> tuple[Array, Array]:
+        """Distances up to a length, which is the last one, and a number of the rows there.
 
-    def mean(self, name: str, length: float) -> float:
-        """Mean of a number of the rows over a length from the end."""
-        ends, values = self.within(name, length)
+        Args:
+            name: of the number.
+            length: from the end.
+            step: 2 for every second row alone.
+        """
+        distance, values = self.distance[::step], getattr(self, name)[::step]
+        ends = np.append(distance[distance < length], length)
+        return ends, np.interp(ends, distance, values)
+
+    def mean(self, name: str, length: float, step: int = 1) -> float:
+        """Mean of a number over a length from the end; arguments are those of `within`."""
+        ends, values = self.within(name, length, step)
         return float(np.trapezoid(values, ends) / length)
 
 
@@ -71,11 +84,13 @@ class EndNumber:
     """A number of `Rows` over a length from the end, with error bars.
 
     Attributes:
+        name: in `Rows`.
         largest: of all rows there.
         mean: over the length.
         exponent: m of the power distance^-m by which it grows towards the end.
     """
 
+    name: str
     largest: float
     largest_spread: float
     mean: float
@@ -125,7 +140,7 @@ class EndAnswer:
         coarser: (n,) by the coarser sub-model.
         exponent, exponent_spread: m of the power distance^-m by which it grows, as of `EndNumber`.
         length: over which numbers next to the end are taken.
-        numbers: of the nodes over that length, by their names in `Rows`.
+        numbers: of the nodes over that length.
         meetings: with stations of the run, those nearest to the end first.
     """
 
@@ -138,8 +153,51 @@ class EndAnswer:
     exponent: float
     exponent_spread: float
     length: float
-    numbers: Mapping[str, EndNumber]
+    numbers: tuple[EndNumber, ...]
     meetings: tuple[Meeting, ...]
+
+
+def write_answer(run: Result, answer: EndAnswer, folder: Path) -> Path:
+    """Write what was found at an end.
+
+    Args:
+        run: of the whole.
+        answer: of one of its free ends.
+        folder: for the file.
+
+    Raises:
+        OutputError: if it cannot be written.
+    """
+    numbers = [
+        {
+            **asdict(each),
+            "unit": run.unit(NUMBERS[each.name].kind),
+            "meaning": NUMBERS[each.name].meaning,
+        }
+        for each in answer.numbers
+    ]
+    table = {"schema": SCHEMA, **asdict(answer), "numbers": numbers}
+    path = folder / ANSWER
+    with writing(path, "the answer at the end"):
+        replace_text(path, json.dumps(json_value(table), indent=1, allow_nan=False) + "\n")
+    return path
+
+
+def read_answers(run: Result) -> list[EndAnswer]:
+    """What is known of free ends of a run, from the folders of their sub-models in its own.
+
+    Raises:
+        OutputError: if a file cannot be read.
+    """
+    found = sorted((run.directory / ENDS).glob(f"*/{ANSWER}")) if run.directory else []
+    return [_read(path) for path in found]
+
+
+def _read(path: Path) -> EndAnswer:
+    try:
+        return restored(EndAnswer, json.loads(path.read_text("utf-8")))
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(f"{path}: expected what sub-models found at an end: {error}") from error
 
 
 def end_answer(
@@ -169,19 +227,25 @@ def end_answer(
     )
     ratio = finer.sizes(at) / coarser.sizes(at)
     bars = ratio / np.maximum(1 - ratio, CLOSEST) * np.abs(finer.k_range - other)
-    finer = replace(finer, k_range_spread=np.hypot(finer.k_range_spread, bars))
+    spread = np.hypot(finer.k_range_spread, bars)
+    near = (at <= inner) & np.isfinite(spread)
+    if not near.any():
+        raise ModelError(
+            f"{fine.directory or fine.case.source}: expected stations with a |ΔK| nearer than "
+            f"{inner:.3g} to {name}, found none"
+        )
     return EndAnswer(
         name=name,
         point=end.point,
-        distance=at,
-        k_range=finer.k_range,
-        k_range_spread=finer.k_range_spread,
-        coarser=other,
+        distance=at[near],
+        k_range=finer.k_range[near],
+        k_range_spread=spread[near],
+        coarser=other[near],
         exponent=exponent,
         exponent_spread=exponent_spread,
         length=length,
-        numbers={name: number_at(name, finer.rows, coarser.rows, length) for name in NUMBERS},
-        meetings=tuple(_meetings(end, finer, inner)),
+        numbers=tuple(number_at(each, finer.rows, coarser.rows, length) for each in NUMBERS),
+        meetings=tuple(_meetings(end, replace(finer, k_range_spread=spread))),
     )
 
 
@@ -219,14 +283,7 @@ def _level(result: Result, end: FrontEnd, inner: float) -> _Level:
             f"{result.directory or result.case.source}: expected a front that ends at {end.name}, "
             "found none: take a larger --radius"
         )
-    table = known_ranges(own)
-    table = table[:, table[0] <= inner]
-    if not table.size:
-        raise ModelError(
-            f"{result.directory or result.case.source}: expected stations with a |ΔK| nearer than "
-            f"{inner:.3g} to {end.name}, found none"
-        )
-    return _Level(rows_at(result, own, inner), *table)
+    return _Level(rows_at(result, own, inner), *known_ranges(own))
 
 
 def _two_zones(end: FrontEnd) -> float:
@@ -286,7 +343,8 @@ def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
 def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     """A number next to an end, by two levels, one of which is twice as fine.
 
-    Means of a power distance^-m err like h^(1 - m): 1/(2^(1 - m) - 1) of the difference.
+    Means of a power distance^-m err like h^(1 - m): 1/(2^(1 - m) - 1) of the difference. What lies
+    between rows counts too: a third of what every second row changes.
 
     Args:
         name: of it in `Rows`.
@@ -301,10 +359,13 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     )
     order = 1 - min(exponent, STEEPEST) if exponent > exponent_spread else 1.0
     return EndNumber(
+        name=name,
         largest=largest[0],
         largest_spread=abs(largest[0] - largest[1]),
         mean=mean[0],
-        mean_spread=abs(mean[0] - mean[1]) / (2**order - 1),
+        mean_spread=math.hypot(
+            (mean[0] - mean[1]) / (2**order - 1), (mean[0] - fine.mean(name, length, 2)) / 3
+        ),
         exponent=exponent,
         exponent_spread=exponent_spread,
     )
@@ -333,17 +394,11 @@ def _power(*levels: tuple[Array, Array], reach: float) -> tuple[float, float]:
     return exponent, math.hypot(error, exponent - other)
 
 
-def _meetings(end: FrontEnd, part: _Level, inner: float) -> Iterator[Meeting]:
+def _meetings(end: FrontEnd, part: _Level) -> Iterator[Meeting]:
     """Stations of the run that are near its end, and at which both are known."""
     for distance, station in known_stations(end):
         (k_range,), (spread,) = part.at(np.array([distance]))
-        if distance <= inner and math.isfinite(k_range):
+        if math.isfinite(spread):
             name = end.contact.name_of(station)
-            yield Meeting(
-                name,
-                distance,
-                station.k_range,
-                station.k_range_spread,
-                float(k_range),
-                float(spread),
-            )
+            own = station.k_range, station.k_range_spread
+            yield Meeting(name, distance, *own, float(k_range), float(spread))

@@ -85,6 +85,13 @@ def end_near(result: Result, point: Array) -> FrontEnd | None:
     return min(ends, key=lambda each: float(np.linalg.norm(each.point - point)), default=None)
 
 
+def worst_end(result: Result) -> FrontEnd | None:
+    """The free end with the largest |ΔK| at the nearest station that has one; None without any."""
+    known = [(each, stations) for each in free_ends(result) if (stations := known_stations(each))]
+    nearest = max(known, key=lambda each: each[1][0][1].k_range, default=None)
+    return None if nearest is None else nearest[0]
+
+
 def known_stations(end: FrontEnd) -> list[tuple[float, Station]]:
     """Stations of a front at which |ΔK| means something, by their distance from an end of it."""
     every = zip(end.distance.tolist(), end.front.stations, strict=True)

@@ -54,6 +54,9 @@ SWEEP_FILES = (TABLE, FIGURE, VARIANTS)
 # Where pictures are in a results folder, and what lists them there.
 PICTURES = "pictures"
 PICTURE_LIST = "pictures.json"
+# Folder with one for each free end around which parts were solved, and the file in it.
+ENDS = "ends"
+ANSWER = "end.json"
 PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
 # Files of a run beside its pictures, the numbers first.
 RESULT_FILES = (
@@ -124,6 +127,8 @@ def remove_results(directory: Path, kept: str = "") -> None:
     for name in RESULT_FILES:
         if name != kept:
             (directory / name).unlink(missing_ok=True)
+    for path in (directory / ENDS).glob(f"*/{ANSWER}"):
+        path.unlink()
 
 
 def remove_old_report(directory: Path) -> None:

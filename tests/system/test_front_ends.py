@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,9 @@ from fretfe.cli.exchange import submodel
 from fretfe.errors import CaseError
 from fretfe.exchange.submodel import told, write_submodel
 from fretfe.mesh.load import made_mesh
-from fretfe.quality.ends import rows_at
+from fretfe.quality.ends import read_answers, rows_at
+from fretfe.report.page.html import draw_plots
+from fretfe.report.page.tables import front_texts
 from fretfe.results.front_ends import FrontEnd, free_ends, known_ranges
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -123,19 +124,21 @@ def test_numbers_at_the_end_are_those_of_a_fine_run(
     """Of the whole in one piece with thin layers, within the bars of the sub-models."""
     assert whole.directory is not None
     end = free_end(whole, -1.0)
-    submodel(whole.directory, end.name, tmp_path, solve=True, length=0.2)
-    assert f"Free end {end.name}" in capsys.readouterr().out
-    found = json.loads((tmp_path / "end.json").read_text("utf-8"))
-    assert (tmp_path / "end.png").is_file()
+    submodel(whole.directory, end.name, solve=True, length=0.2)
+    out = capsys.readouterr().out
+    (found,) = read_answers(whole)
+    text = " ".join(front_texts(whole))
+    assert f"Free end {end.name}" in out and f"Free end {end.name}" in text
+    (plot,) = next(each for each in draw_plots(whole).sections if each.anchor == "ends").plots
+    assert end.name in plot.title and plot.svg.startswith("<svg")
     fine = runner.run(parse_case(pad(24, 0.05)), tmp_path / "fine")
     reference = free_end(fine, -1.0)
     rows = rows_at(fine, reference, 0.4)
-    for name in ("work", "slip_range", "density", "pressure", "shear"):
-        number = found["numbers"][name]
-        assert abs(number["mean"] - rows.mean(name, 0.2)) <= number["mean_spread"], name
-        assert number["mean_spread"] < 0.15 * number["mean"], name
+    for number in found.numbers:
+        assert abs(number.mean - rows.mean(number.name, 0.2)) <= number.mean_spread, number
+        assert number.mean_spread < 0.15 * number.mean, number
     distance, k_range, spread = known_ranges(reference)
-    at = np.interp(found["distance"], distance, k_range)
-    bars = np.hypot(found["k_range_spread"], np.interp(found["distance"], distance, spread))
-    assert len(at) >= 3 and (np.abs(found["k_range"] - at) <= bars).all()
-    assert found["meetings"] and all(each["agrees"] for each in found["meetings"])
+    at, others = (np.interp(found.distance, distance, each) for each in (k_range, spread))
+    assert len(at) >= 3
+    assert (np.abs(found.k_range - at) <= np.hypot(found.k_range_spread, others)).all()
+    assert found.meetings and all(each.agrees for each in found.meetings)

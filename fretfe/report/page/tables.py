@@ -20,6 +20,8 @@ from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import judge
 from fretfe.evaluate.withheld import Lack
+from fretfe.quality.ends import read_answers
+from fretfe.report.page.ends import end_lines
 from fretfe.report.page.headline import headline, is_elsewhere
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
@@ -428,7 +430,8 @@ def front_texts(run: Result) -> tuple[str, ...]:
     if not named:
         return ("No boundary of a contact area could be found: there are no edge factors.",)
     worst = [text for contact, front in named if (text := _worst_text(run, contact, front))]
-    return tuple(filter(None, (*worst, _work_text(run), _end_text(run, named))))
+    ends = (" ".join(end_lines(run, answer)) for answer in read_answers(run))
+    return tuple(filter(None, (*worst, _work_text(run), _end_text(run, named), *ends)))
 
 
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
