@@ -26,10 +26,6 @@ from fretfe.results.model import Result
 HISTORY = "history.csv"
 TIME = "time"
 POSITION = "position"
-# Layers of a part around a free end on the length of its radius, where they do not grow any more.
-LAYERS = 12
-# Stations of its front, at most.
-STATIONS = 20
 
 
 def finer_tables(
@@ -82,7 +78,7 @@ def fine_at(
     """The case of a part of extruded bodies with thin layers around a free end of a front.
 
     The first layer is as thick as an element of the run across the front is long, the thickest is
-    the radius of the part over `LAYERS`.
+    a twelfth of the radius of the part.
 
     Args:
         end: the free end.
@@ -93,12 +89,12 @@ def fine_at(
     data = deepcopy(data)
     # Plane problems say little there, and factors of more stations cost more than the steps.
     edges = data.setdefault("edges", {})
-    edges |= {"local": False, "stations": min(edges.get("stations", STATIONS), STATIONS)}
+    edges |= {"local": False, "stations": min(edges.get("stations", 20), 20)}
     edges.pop("ends", None)
     if size[0]:
         _set(data, size[0], size[1] * times)
     solid, radius = data["geometry"]["solid"], data["geometry"]["part"]["radius"]
-    solid["layers"] = math.ceil(LAYERS * solid["length"] / (radius * times))
+    solid["layers"] = math.ceil(12 * solid["length"] / (radius * times))
     first = float(f"{end.station.size * times:.3g}")
     solid["end_size"] = min(first, solid["length"] / solid["layers"])
     return data

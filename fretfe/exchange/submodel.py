@@ -102,7 +102,7 @@ def write_submodel(
         around: contact, edge or station, as for `Result.find`, or a free end, as for `find_end`.
         output: folder for the files.
         radius: of the part; None for three times the distance of the edges from the middle, around
-            a free end for half of the width of the contact there.
+            a free end for `radius_at`.
         size: of the elements at contact edges; None for a quarter of those of the run, around a
             free end for half of them.
         trust_geo: whether a .geo file of the case may run.
@@ -122,7 +122,7 @@ def write_submodel(
     distance = reach_of(result, name, centre)
     wanted = radius
     if wanted is None:
-        wanted = FAR * distance if end is None else float(f"{end.station.depth:.3g}")
+        wanted = FAR * distance if end is None else radius_at(end)
     require_one_contact(result, name, centre, wanted)
     tables, known_size = finer_tables(result, size, 4.0 if end is None else 2.0)
     pair = result.contact_history(name).pair
@@ -142,6 +142,16 @@ def write_submodel(
     )
     _write(output, cases, _history(result, made[0]))
     return Submodel(made, centre, wanted, distance, known_size, tuple(builder.left_out), end)
+
+
+def radius_at(end: FrontEnd) -> float:
+    """Radius of the part around a free end, to the middle of a contact that is long beside d.
+
+    Around contacts like those of cylinders, whose pressure falls over all of their width, it is
+    `FAR` of their half-widths.
+    """
+    station = end.station
+    return float(f"{max(station.depth, FAR * min(station.depth, station.length)):.3g}")
 
 
 def _part(result: Result, tables: dict[str, Any], reach: float, *, trust_geo: bool) -> Mesh:

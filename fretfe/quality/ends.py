@@ -29,18 +29,6 @@ from fretfe.results.reader import restored
 from fretfe.results.writer import ANSWER, ENDS
 
 SCHEMA = {"name": "fretfe-end", "version": 1}
-# Part of the radius of a part within which its cut is far: ranges are wrong by a few per cent at
-# 1.5 half-widths from it, and by the fourth power of the distance.
-INNER = 0.5
-# Slip zones of the nearest station of the run on the length over which means are taken.
-ZONES = 2.0
-# Lengths from the end within which a power is fitted, and the fewest rows of nodes there.
-REACH = 4.0
-FEWEST_ROWS = 4
-# Steeper powers have no mean.
-STEEPEST = 0.9
-# Elements of both sub-models that differ by less say little of the error.
-CLOSEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -130,7 +118,7 @@ class Meeting:
 
 @dataclass(frozen=True)
 class EndAnswer:
-    """What two sub-models say of a free end of a front.
+    """Numbers at and near a free end of a front by two sub-models.
 
     Attributes:
         name: of the end.
@@ -158,7 +146,7 @@ class EndAnswer:
 
 
 def write_answer(run: Result, answer: EndAnswer, folder: Path) -> Path:
-    """Write what was found at an end.
+    """Write the numbers at an end.
 
     Args:
         run: of the whole.
@@ -184,7 +172,7 @@ def write_answer(run: Result, answer: EndAnswer, folder: Path) -> Path:
 
 
 def read_answers(run: Result) -> list[EndAnswer]:
-    """What is known of free ends of a run, from the folders of their sub-models in its own.
+    """Numbers at free ends of a run, from the folders of their sub-models in its own.
 
     Raises:
         OutputError: if a file cannot be read.
@@ -217,16 +205,17 @@ def end_answer(
     """
     end = find_end(run, name)
     assert end is not None and fine.case.geometry.part is not None
-    inner = INNER * fine.case.geometry.part.radius
+    # The error by the cut falls with the fourth power of the distance from it.
+    inner = fine.case.geometry.part.radius / 2
     finer, coarser = (_level(each, end, inner) for each in (fine, coarse))
     length = _two_zones(end) if length is None else length
     at = finer.distance
     other = coarser.at(at)[0]
     exponent, exponent_spread = _power(
-        *((each.distance, each.k_range) for each in (finer, coarser)), reach=REACH * length
+        *((each.distance, each.k_range) for each in (finer, coarser)), length=length
     )
     ratio = finer.sizes(at) / coarser.sizes(at)
-    bars = ratio / np.maximum(1 - ratio, CLOSEST) * np.abs(finer.k_range - other)
+    bars = ratio / np.maximum(1 - ratio, 0.1) * np.abs(finer.k_range - other)
     spread = np.hypot(finer.k_range_spread, bars)
     near = (at <= inner) & np.isfinite(spread)
     if not near.any():
@@ -251,7 +240,7 @@ def end_answer(
 
 @dataclass(frozen=True)
 class _Level:
-    """What one sub-model knows near an end.
+    """Numbers near an end by one sub-model.
 
     Attributes:
         rows: of its nodes.
@@ -291,7 +280,7 @@ def _two_zones(end: FrontEnd) -> float:
     zones = (each.longest_zone for _, each in known_stations(end))
     lengths = (zone.rank for zone in zones if zone is not None)
     known = next((each for each in lengths if 0 < each < math.inf), end.station.size)
-    return float(f"{ZONES * known:.1g}")
+    return float(f"{2 * known:.1g}")
 
 
 def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
@@ -355,9 +344,9 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     largest = [float(each.within(name, length)[1].max()) for each in (fine, coarse)]
     mean = [each.mean(name, length) for each in (fine, coarse)]
     exponent, exponent_spread = _power(
-        *((each.distance, getattr(each, name)) for each in (fine, coarse)), reach=REACH * length
+        *((each.distance, getattr(each, name)) for each in (fine, coarse)), length=length
     )
-    order = 1 - min(exponent, STEEPEST) if exponent > exponent_spread else 1.0
+    order = 1 - min(exponent, 0.9) if exponent > exponent_spread else 1.0
     return EndNumber(
         name=name,
         largest=largest[0],
@@ -371,19 +360,19 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     )
 
 
-def _power(*levels: tuple[Array, Array], reach: float) -> tuple[float, float]:
+def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
     """Exponent m of the power distance^-m, by least squares, and its error bar.
 
     The bar is twice the error of the fit to the finer level with the difference of the two.
 
     Args:
         levels: distances and values of the finer and of the coarser level.
-        reach: of the fit. The row on the end has no distance, and is left out.
+        length: four times that is fitted. The row on the end has no distance, and is left out.
     """
     found = []
     for distance, values in levels:
-        used = (distance > 0) & (distance <= reach) & (values > 0)
-        if np.count_nonzero(used) < FEWEST_ROWS:
+        used = (distance > 0) & (distance <= 4 * length) & (values > 0)
+        if np.count_nonzero(used) < 4:
             return math.nan, math.nan
         x, y = np.log(distance[used]), np.log(values[used])
         line, covariance = np.polyfit(x, y, 1, cov="unscaled")

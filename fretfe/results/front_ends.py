@@ -14,10 +14,9 @@ from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.results.model import Result
 
-# Names of the ends of a front, at its first and behind its last station.
-START, END = "start", "end"
-# Round-off of distances along a front, relative to its length.
-SAME = 1e-9
+# Names of the ends of a front, before its first and behind its last station.
+START = "start"
+END = "end"
 
 
 @dataclass(frozen=True)
@@ -110,7 +109,7 @@ def _free_end(contact: Contact, front: Front, end: str) -> FrontEnd | None:
     first = end == START
     station = front.stations[0 if first else -1]
     away = station.arc if first else front.length - station.arc
-    if front.closed or not abs(station.to_end - away) <= SAME * front.length:
+    if front.closed or not abs(station.to_end - away) <= 1e-9 * front.length:
         return None
     into = station.frame.along * (1.0 if first else -1.0)
     name = f"{contact.name}.{front.name.removeprefix('front ')}.{end}"

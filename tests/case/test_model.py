@@ -666,6 +666,23 @@ def test_most_cycles_that_are_added(cycle: dict[str, Any], most: int) -> None:
     assert parse_case(edited(cycle=cycle)).cycle.most_more == most
 
 
+@pytest.mark.parametrize(
+    "missing", [{"geometry": {"file": "b1.msh"}}, {"output": {"fields": "extremes"}}]
+)
+def test_ends_take_layers_and_all_displacements(missing: dict[str, Any]) -> None:
+    solid = {"length": 2.0, "layers": 4}
+    whole = tomllib.loads(VALID) | {
+        "geometry": {"file": "b1.msh", "solid": solid},
+        "output": {"fields": "all"},
+        "edges": {"ends": True},
+    }
+    assert parse_case(whole).edges.ends
+    with pytest.raises(
+        CaseError, match=r"edges\.ends: expected geometry\.solid and output\.fields"
+    ):
+        parse_case(whole | missing)
+
+
 def test_no_cycles_are_added_in_the_plane() -> None:
     case = parse_case(edited(cycle={"more": 3}), "b1.toml")
     with pytest.raises(CaseError, match=r"cycle\.more: expected none in the plane, .* found 3"):

@@ -112,7 +112,6 @@ COMMON_NAMES = {
     "FEWEST",
     "FEWEST_ELEMENTS",
     "FEWEST_NODES",
-    "FINER",
     "FINEST",
     "FLAT",
     "FRICTION",

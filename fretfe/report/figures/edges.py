@@ -35,7 +35,9 @@ from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
+from fretfe.quality.ends import EndAnswer
 from fretfe.report.figures.history import time_panels
+from fretfe.report.page.ends import end_lines
 from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.texts import MISSING, number, with_error
 from fretfe.report.theme import (
@@ -46,6 +48,7 @@ from fretfe.report.theme import (
     GREY,
     ORANGE,
     PALE,
+    SINGLE,
     TRIPLE,
     VERMILLION,
     Plot,
@@ -56,6 +59,7 @@ from fretfe.report.theme import (
     plain_axis,
     say_if_unknown,
 )
+from fretfe.results.front_ends import find_end, known_ranges
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE, Reported
 
@@ -99,6 +103,13 @@ FRONTS_INTRO = (
     "whose error bar is the band around the line; by the formula, from K_N and |ΔK| alone; and by "
     "the slip of the nodes of the solids, where there are enough of them in the zone. Grey: "
     "stations too near a free end, where there is neither plane problem nor formula."
+)
+ENDS_INTRO = (
+    "Two sub-models around a free end, driven by the run, with small elements there; those of the "
+    "coarser one are twice as long. |ΔK| over the distance from the end, as far as it means "
+    "something. Next to the end the nodes tell: the largest of their ranges of slip, friction work "
+    "and tractions in the evaluated cycle, and the mean along the front; bars are by the "
+    "difference of the two."
 )
 STATIONS_INTRO = (
     "The station of each contact where |ΔK|/(f K_N) is largest, ends left out, at the two ends of "
@@ -420,6 +431,28 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
 
     title = f"{front.name.capitalize()} of contact {area.name}"
     return make_plot(f"{key}-front", title, _half_spaces(front.half_space_ratios), TRIPLE, draw)
+
+
+def end_plot(run: Result, answer: EndAnswer, key: str) -> Plot:
+    """|ΔK| along the front near its end, by the run and by both sub-models."""
+    end = find_end(run, answer.name)
+    assert end is not None
+    table = known_ranges(end)
+    table = table[:, table[0] <= 1.5 * answer.distance[-1]]
+
+    def draw(figure: Figure) -> None:
+        axes = figure.subplots()
+        axes.errorbar(table[0], table[1], table[2], fmt="s", color=GREY, label="run")
+        axes.plot(answer.distance, answer.coarser, "--", color=BLUE, label="coarser sub-model")
+        found = answer.distance, answer.k_range, answer.k_range_spread
+        axes.errorbar(*found, fmt="o", color=VERMILLION, label="finer sub-model")
+        axes.set_xlabel(f"distance from {answer.name} [{run.unit('length')}]")
+        axes.set_ylabel(run.axis_label("k_range"))
+        axes.set_xlim(left=0.0)
+        axes.legend()
+
+    caption = " ".join(end_lines(run, answer))
+    return make_plot(key, f"Free end {answer.name}", caption, SINGLE, draw)
 
 
 def _half_spaces(found: HalfSpaceRatios) -> str:

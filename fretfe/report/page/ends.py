@@ -10,15 +10,12 @@ from fretfe.quality.ends import NUMBERS, EndAnswer, EndNumber
 from fretfe.report.texts import with_error
 from fretfe.results.model import Result
 
-# Stations near an end that are printed.
-SHOWN = 3
-
 
 def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
-    """What is known of a free end, in words."""
+    """Numbers at a free end, in words."""
     length = run.unit("length")
     power = _power(answer.exponent, answer.exponent_spread)
-    chosen = range(0, len(answer.distance), max(len(answer.distance) // SHOWN, 1))
+    chosen = range(0, len(answer.distance), max(len(answer.distance) // 3, 1))
     known = ", ".join(
         f"{with_error(answer.k_range[n], answer.k_range_spread[n])} at {answer.distance[n]:.3g}"
         for n in chosen

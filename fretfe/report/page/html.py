@@ -31,7 +31,7 @@ from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
 from fretfe.quality.ends import read_answers
 from fretfe.quality.rows import Row, own_rows
-from fretfe.report.figures import edges, ends, history, solver, tractions
+from fretfe.report.figures import edges, history, solver, tractions
 from fretfe.report.page.bodies import body_table, pair_table
 from fretfe.report.page.tables import (
     contact_table,
@@ -245,7 +245,7 @@ def _solid_sections(run: Result, chosen: Sequence[At]) -> tuple[Section, ...]:
         for row, front in enumerate(contact.fronts)
     ]
     found = [
-        partial(ends.end_plot, run, answer, f"end{row}")
+        partial(edges.end_plot, run, answer, f"end{row}")
         for row, answer in enumerate(read_answers(run))
     ]
     areas = [
@@ -256,7 +256,7 @@ def _solid_sections(run: Result, chosen: Sequence[At]) -> tuple[Section, ...]:
     loads = [partial(history.load_plot, run)]
     sections = (
         _section("fronts", "Along the fronts", edges.FRONTS_INTRO, fronts),
-        _section("ends", "Free ends", ends.INTRO, found),
+        _section("ends", "Free ends", edges.ENDS_INTRO, found),
         _section(
             "stations",
             "Next to the worst stations",
