@@ -24,6 +24,14 @@ def test_the_number_of_elements_is_known_before(monkeypatch: pytest.MonkeyPatch)
         assert not gmsh.model.mesh.getElementTypes().size
 
 
+def test_layers_of_swept_bodies_are_no_finer_than_they_are() -> None:
+    """Their number does not fall with larger elements, as that of the cells in a section does."""
+    cylinder, thin = find_template("cylinder_finite"), {"end_size": 0.08, "length_size": 1.0}
+    count = sum(len(body.cells) for body in mesh_template(cylinder, thin, 1).bodies.values())
+    with script_model(cylinder, thin) as gmsh:
+        assert count / 2 < expected_elements(gmsh, 0.4) < 2 * count
+
+
 def test_a_mesh_that_is_too_large(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(expected, "HARMLESS", {2: 1e3, 3: 1e3})
     monkeypatch.setattr(expected, "ENOUGH", 500)
