@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.bodies.continued import normals_behind
 from fretfe.bodies.definition import ModelDefinition, define_model
 from fretfe.case import Case
@@ -128,7 +128,7 @@ def _along_front(
             yield float(np.median(np.abs(reach[alike]).max(axis=1))), spacing
 
 
-def _facets_at(surface: Surface, edges: Array) -> Array:
+def _facets_at(surface: Surface, edges: Indices) -> Indices:
     """(e,) facets of a surface that have edges (e, 2), whose nodes are sorted, at its rim."""
     corners = surface.corners
     pairs = np.sort(np.stack([corners, np.roll(corners, -1, axis=1)], axis=2), axis=2)

@@ -333,7 +333,7 @@ def at_places(front: Front, points: Array, measures: Sequence[Measure]) -> Itera
     first, second, part, _ = nearest_places(front, points)
     for measure in measures:
         values = numbers(front.stations, measure)
-        values[~front.along("defined")] = np.nan
+        values[np.logical_not(front.along("defined"))] = np.nan
         # A place on a station needs no neighbour.
         terms = (part < 1, (1 - part) * values[first]), (part > 0, part * values[second])
         yield np.sum([np.where(used, term, 0.0) for used, term in terms], axis=0)

@@ -201,8 +201,6 @@ def _load(case: Case, options: RunOptions) -> Mesh:
         options.announce(f"Warning: {warning}")
     for warning in end_warning(case, mesh):
         options.announce(f"Warning: {warning}")
-    for warning in end_warning(case, mesh):
-        options.announce(f"Warning: {warning}")
     return mesh
 
 
