@@ -22,7 +22,7 @@ from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, case_notes, parse_case, stiffness_doubts
 from fretfe.environment import rank_from_environment
 from fretfe.errors import FretfeError
-from fretfe.loads import History
+from fretfe.loads import History, most_added
 from fretfe.mesh.cost import Cost, estimate_cost
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh, place_text
@@ -35,6 +35,8 @@ LIKE = 1.05
 MOST_FINER = 10
 # Extremes of the loads in a cycle, and the last state.
 EXTREMES = 3
+# Cycles after which solids are steady in most cases: each leaves a tenth of the change before.
+LIKELY_ADDED = 4
 
 
 @dataclass(frozen=True)
@@ -78,10 +80,14 @@ class Checked:
     def cost(self) -> Cost:
         """Estimate of memory and time, of the first mesh if it refines itself."""
         nodes = sum(len(pair.coupling.surface.weights) for pair in self.pairs)
-        steps = len(self.history.times) - 1
-        plane = self.mesh.dimension == 2
-        # Two fronts, or one that is closed.
-        stations = 2 * len(self.pairs) * (1 if plane else self.case.edges.stations)
+        steps, cycle = len(self.history.times) - 1, self.history.cycle
+        if cycle is not None:
+            more = most_added(self.case, self.history, self.mesh.dimension)
+            steps += min(more, LIKELY_ADDED) * (cycle[1] - cycle[0])
+        plane, along = self.mesh.dimension == 2, self.case.edges.stations
+        # Sections and extrusions have two fronts; other solids two, or one that is closed.
+        fronts = len(self.pairs) * (2 if plane or self.case.geometry.solid else 1.5)
+        stations = round(fronts * (1 if plane else along))
         states = _field_states(self.case, steps)
         size = self.definition.components
         return estimate_cost(

@@ -4,9 +4,10 @@
 Measured with one thread on a 2026 server processor (AVX-512, 25 GFlop/s in dense products). In the
 plane on meshes from 2 000 to 330 000 unknowns with 60 to 1 900 contact tractions: memory is right
 within a third, time within a factor of two on a quiet machine of that kind. In space on pairs of
-bodies of tetrahedra of order 2 with 56 000 to 319 000 unknowns and 1 700 to 4 700 contact
-tractions: memory is right within 15 %. There a step takes from a tenth of what is estimated, where
-most nodes stick, to ten times that, where the contact slides as a whole.
+bodies of order 2 with 42 000 to 178 000 unknowns and 760 to 4 700 contact tractions (spheres, a
+dovetail and a nose of tetrahedra, a skewed dovetail): memory within 20 %, processor time within
+40 %. There a step takes from a tenth of what is estimated, where most nodes stick, to ten times
+that, where the contact slides as a whole.
 """
 
 from __future__ import annotations
@@ -39,41 +40,45 @@ POWER_IN_SPACE = 4 / 3
 # Bytes for an entry of a factor, those included that MUMPS needs until it is done; for an unknown's
 # rows of the stiffness, mesh and spaces; for everything that does not grow.
 PER_ENTRY = 10.0
-PER_UNKNOWN = {2: 1200.0, 3: 3500.0}
+PER_UNKNOWN = {2: 1200.0, 3: 2000.0}
 ALWAYS = 2.0e8
 # Displacements of degree 1 over elements, in large meshes of triangles and of tetrahedra; unknowns
 # of meshes that fit everywhere.
 UNKNOWNS_PER_ELEMENT = {2: 1.0, 3: 0.54}
 FEWEST_UNKNOWNS = 1000
-# Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry.
-MATRICES = 5.5
+# Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry:
+# in space MUMPS has a dense front of that size, and its copy, beside those of the bodies.
+MATRICES = {2: 5.5, 3: 9.0}
 # Part of the memory of the machine from which on factors go to disk: two ranks condense two bodies
 # at the same time, each with the fronts of its own, and the system keeps the files in what is left.
 IN_MEMORY = 0.5
 # Part of the memory from which on it is mostly theirs.
 MOST = 0.5
 # With factors on disk: bytes for an unknown; the largest fronts, over the square of the unknowns of
-# the last one, the contact tractions among them.
+# the last one, the contact tractions among them; full matrices in the steps.
 PER_UNKNOWN_ON_DISK = {2: 1000.0, 3: 2200.0}
 FRONTS = 1.6
-# Seconds: a factor by n^1.5 in the plane and n^2 in space, what is done cell by cell by n, start-up
-# and what does not grow.
-FACTORISING = {2: (3.0e-8, 1.5), 3: (1.7e-9, 2.0)}
-ASSEMBLING = {2: 1.2e-5, 3: 2.5e-5}
+MATRICES_ON_DISK = 5.5
+# Seconds: a factor by n^1.5 in the plane and, as separators of s unknowns take s^3 operations for
+# s^2 entries, by those to the power of 1.5 in space; what is done cell by cell by n, start-up and
+# what does not grow.
+FACTORISING = {2: 3.0e-8, 3: 1.0e-11}
+ASSEMBLING = {2: 1.2e-5, 3: 5.5e-5}
 STARTING = 3.0
 # Seconds by powers of the number of contact tractions: a factorisation of the interface, of which a
 # history needs a few; a step, its evaluation included.
 INTERFACE = 3.0e-11
 ORDERS = 3
-STEP_SQUARED = {2: 8.0e-9, 3: 4.0e-8}
+STEP_SQUARED = {2: 8.0e-9, 3: 2.5e-8}
 STEP = 5.0e-3
-# Seconds behind the last step: for each unknown and station of a front its edge factors, local
-# problems included; for each unknown and state its fields; pictures and report, and for each
+# Seconds behind the last step: for each station of a front its edge factors and local problem, and
+# for each unknown besides; for each unknown and state its fields; pictures and report, and for each
 # unknown.
-EDGES = {2: 4.0e-6, 3: 3.0e-6}
-FIELDS = {2: 2.0e-6, 3: 3.0e-6}
-DRAWING = 4.0
-PICTURES = {2: 3.0e-5, 3: 5.0e-5}
+STATION = {2: 0.0, 3: 0.12}
+EDGES = {2: 4.0e-6, 3: 1.2e-6}
+FIELDS = {2: 2.0e-6, 3: 6.5e-6}
+DRAWING = {2: 4.0, 3: 9.0}
+PICTURES = {2: 3.0e-5, 3: 4.0e-5}
 # What makes a model smaller, in the plane and in space.
 PROPOSALS = {
     2: "make the elements larger away from the contact edges (growth, body_size), or use "
@@ -97,7 +102,7 @@ class Cost:
     Attributes:
         unknowns: displacements of all bodies.
         tractions: unknown tractions at the contact nodes.
-        steps: of the load history.
+        steps: of the load history and of cycles that are likely to be added.
         memory: bytes, of one process.
         dense: those of them for the full matrices of the contact tractions.
         on_disk: whether the factors of the bodies are to be kept on disk.
@@ -144,7 +149,8 @@ def estimate_cost(
         mesh: of all bodies.
         degree: of the displacements.
         nodes: multiplier nodes of all contacts.
-        steps: of the load history; those of one mesh if it refines itself.
+        steps: of the load history, those of cycles that are likely to be added among them; those
+            of one mesh if it refines itself.
         stations: of all fronts.
         states: whose fields are written.
         components: of displacements and tractions; without it as many as coordinates.
@@ -152,20 +158,21 @@ def estimate_cost(
     dimension, size = mesh.dimension, components or mesh.dimension
     bodies = [body_unknowns(body, degree, size) for body in mesh.bodies.values()]
     tractions = size * nodes
-    entries = sum(_factor_entries(body, degree, size) for body in mesh.bodies.values())
-    dense = 8.0 * MATRICES * tractions**2
-    memory = ALWAYS + PER_ENTRY * entries + PER_UNKNOWN[dimension] * sum(bodies) + dense
+    entries = [_factor_entries(body, degree, size) for body in mesh.bodies.values()]
+    dense = 8.0 * MATRICES[dimension] * tractions**2
+    memory = ALWAYS + PER_ENTRY * sum(entries) + PER_UNKNOWN[dimension] * sum(bodies) + dense
     there = machine_memory()
     on_disk = there is not None and memory > IN_MEMORY * there
     if on_disk:
         memory = _memory_on_disk(mesh, degree, tractions, sum(bodies))
-    factor, power = FACTORISING[dimension]
-    preparation = sum(factor * n**power + ASSEMBLING[dimension] * n for n in bodies)
+    grown = bodies if dimension == 2 else entries
+    preparation = FACTORISING[dimension] * sum(n**1.5 for n in grown)
+    preparation += ASSEMBLING[dimension] * sum(bodies)
     interface = ORDERS * INTERFACE * tractions**3
     march = steps * (STEP + STEP_SQUARED[dimension] * tractions**2)
     unknowns = sum(bodies)
     behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
-    behind += DRAWING + PICTURES[dimension] * unknowns
+    behind += STATION[dimension] * stations + DRAWING[dimension] + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + march + behind
     return Cost(unknowns, tractions, steps, memory, dense, on_disk, seconds, behind, dimension)
 
@@ -175,7 +182,7 @@ def _memory_on_disk(mesh: Mesh, degree: int, tractions: int, unknowns: int) -> f
     dimension, full = mesh.dimension, 8.0 * tractions**2
     last = max(_last_front(body, degree, tractions) for body in mesh.bodies.values())
     condensing = full * len(mesh.bodies) + 8.0 * FRONTS * last**2
-    return ALWAYS + PER_UNKNOWN_ON_DISK[dimension] * unknowns + max(condensing, full * MATRICES)
+    return ALWAYS + PER_UNKNOWN_ON_DISK[dimension] * unknowns + max(condensing, full * MATRICES_ON_DISK)
 
 
 def _last_front(body: BodyMesh, degree: int, tractions: int) -> float:

@@ -78,7 +78,7 @@ def require_room(gmsh: ModuleType, source: str, smallest: float, growth: float) 
     memory, few = machine_memory(), dimension == 2 and extent <= FEW_LINES * smallest
     elements, lines = _most_in_rows(gmsh, growth) if few else (math.inf, 0.0)
     # Contact surfaces have the finest lines; their tractions need full matrices.
-    dense = 8.0 * MATRICES * (2 * lines) ** 2
+    dense = 8.0 * MATRICES[2] * (2 * lines) ** 2
 
     def fits() -> bool:
         needed = least_memory(elements, dimension) + dense

@@ -49,7 +49,7 @@ def test_what_is_behind_the_last_step_counts() -> None:
     assert found.seconds - without.seconds == pytest.approx(found.behind - without.behind)
     scale = found.unknowns / 114_096
     assert found.behind - without.behind == pytest.approx((1.8 + 0.7) * scale, rel=0.3)
-    assert without.behind - cost.DRAWING == pytest.approx((7.0 - cost.DRAWING) * scale, rel=0.3)
+    assert without.behind - cost.DRAWING[2] == pytest.approx((7.0 - cost.DRAWING[2]) * scale, rel=0.3)
     assert found.text.endswith(" of them for edge factors, fields and pictures")
 
 
@@ -123,12 +123,12 @@ def test_a_solid_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch
 
 def test_a_contact_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPatch) -> None:
     """Full matrices of n tractions take 8 n² bytes each."""
-    dense = 8.0 * cost.MATRICES * 32_000**2
+    dense = 8.0 * cost.MATRICES[3] * 32_000**2
     found = replace(
         estimate_cost(solid(10, 10), 2, nodes=100, steps=100),
         tractions=32_000, dense=dense, memory=dense + 4 * GB,
     )  # fmt: skip
-    assert "42 GB of them for the contact tractions" in found.text
+    assert "69 GB of them for the contact tractions" in found.text
     monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB + dense / 4)
     with pytest.raises(ModelError, match="layers along the edge") as caught:
         refuse_too_large(found)
