@@ -19,11 +19,10 @@ from fretfe.bodies.definition import (
 from fretfe.bodies.expected import proposed_sizes
 from fretfe.bodies.loads.files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
-from fretfe.case import Case, case_notes, parse_case, stiffness_doubts
+from fretfe.case import Case, case_notes, stiffness_doubts
 from fretfe.environment import rank_from_environment
-from fretfe.errors import FretfeError
 from fretfe.loads import History, most_added
-from fretfe.mesh.cost import Cost, estimate_cost
+from fretfe.mesh.cost import Cost, estimate_cost, finer_model
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.surface.checks import load_mesh
@@ -31,7 +30,7 @@ from fretfe.surface.checks import load_mesh
 # Accuracy for which an element size is proposed; sizes up to this factor larger are as good.
 PROPOSED = 0.03
 LIKE = 1.05
-# Elements that are so many times as large are not meshed to see what they take: that may be hours.
+# Elements that are so many times as large say nothing of what that takes.
 MOST_FINER = 10
 # Extremes of the loads in a cycle, and the last state.
 EXTREMES = 3
@@ -139,23 +138,11 @@ def propose(checked: Checked) -> Iterator[str]:
             f"{now / least.size:.2g} times as large; check the units of lengths and loads, too"
         )
     else:
-        yield f"set {key} = {least.size:g} {why}: {_taken(case, key, least.size)}"
-
-
-def _taken(case: Case, key: str, size: float) -> str:
-    """Unknowns and memory of a case with another element size, in words."""
-    data = case.as_tables()
-    data.get("edges", {}).pop("tolerance", None)
-    table, name = data["geometry"], key.removeprefix("geometry.")
-    if name.startswith("parameters."):
-        table = table.setdefault("parameters", {})
-    table[name.removeprefix("parameters.")] = size
-    try:
-        finer = check(parse_case(data, source=case.source, trust_geo=case.trust_geo))
-    except FretfeError as error:
-        return f"that cannot be solved ({error})"
-    assert finer is not None
-    return f"{finer.cost.unknowns} unknowns, about {finer.cost.memory / 2**30:.2g} GB"
+        surfaces = [
+            name for each in case.contacts.values() for name in (each.surface1, each.surface2)
+        ]
+        taken = finer_model(mesh, checked.cost, surfaces, (now, least.size))
+        yield f"set {key} = {least.size:g} {why}: {taken}"
 
 
 def check(case: Case) -> Checked | None:

@@ -439,11 +439,15 @@ class Drawn:
     failure: FretfeError | None = None
 
 
-def draw_report(directory: Path) -> Drawn:
+def draw_report(directory: Path, say: Callable[[str], None] = lambda _: None) -> Drawn:
     """Draw the pictures of results and write their report; on the first process.
 
     What cannot be made takes nothing away from the results. Plots are drawn while other processes
     draw pictures, if cores are idle.
+
+    Args:
+        directory: results folder.
+        say: what is being drawn.
     """
     from fretfe.report.pictures.folder import make_pictures
     from fretfe.results.reader import load_result
@@ -470,6 +474,7 @@ def draw_report(directory: Path) -> Drawn:
         # Imported while other processes draw.
         from fretfe.report.page.html import draw_plots
 
+        say("figures of the report")
         plots.append(draw_plots(run))
 
     def draw_ahead(run: Result) -> None:
@@ -478,7 +483,7 @@ def draw_report(directory: Path) -> Drawn:
     with collecting(directory) as collected:
         try:
             with locked(directory):
-                attempt("pictures", lambda: make_pictures(directory, draw_ahead))
+                attempt("pictures", lambda: make_pictures(directory, draw_ahead, say))
                 if "report" not in seconds:
                     attempt("report", lambda: draw(load_result(directory)))
                 else:

@@ -81,6 +81,8 @@ def run(
 ) -> None:
     """Solve a case and write its results."""
     verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
+    if not rank_from_environment() and verbosity is not Verbosity.QUIET:
+        _say(f"reading {case} and loading the backend {backend}")
     reader = _reader(case, overrides, trust_geo=trust_geo)
     # A run that goes on may be complete.
     ahead = _begun(reader) if backend == MESHES and not resume else None
@@ -155,8 +157,8 @@ def _finish_run(
     drawn = Drawn({})
     if report:
         if not quiet:
-            print("Drawing the pictures and the report ...", flush=True)
-        drawn = draw_report(directory)
+            _say("Drawing the pictures and the report")
+        drawn = draw_report(directory, _silent if quiet else _say)
         for problem in drawn.problems:
             console.print(f"Warning: {problem}", highlight=False, markup=False, soft_wrap=True)
     else:
@@ -170,6 +172,15 @@ def _finish_run(
     print(f"{len(result.loads.times) - 1} steps{steps}, {time.perf_counter() - start:.1f} s")
     print(f"Results in {directory}")
     return drawn
+
+
+def _say(text: str) -> None:
+    """Name what is being done."""
+    print(f"{text} ...", flush=True)
+
+
+def _silent(_: str) -> None:
+    """Say nothing."""
 
 
 def _print_numbers(console: Console, result: Result) -> None:

@@ -17,6 +17,7 @@ import subprocess
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import wait as waited_for
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -54,6 +55,8 @@ BY_CHILD = ("bodies", "edges", "scene")
 FILES = ("cycle", "scene")
 # Seconds for all files of a call.
 TIMEOUT = 600.0
+# Seconds between words to those who wait for pictures.
+EVERY = 3.0
 CRASHES = (signal.SIGSEGV, signal.SIGABRT, signal.SIGBUS, signal.SIGILL)
 NO_PYVISTA = (
     "PyVista is not installed; `pip install pyvista` installs it, on Debian apt install "
@@ -69,12 +72,17 @@ NOT_IMPORTED = (
 )
 
 
-def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda _: None) -> None:
+def make_pictures(
+    directory: Path,
+    meanwhile: Callable[[Result], None] = lambda _: None,
+    say: Callable[[str], None] = lambda _: None,
+) -> None:
     """Draw what a run has computed, as far as this machine can.
 
     Args:
         directory: results folder.
         meanwhile: other work with the results, done while other processes draw if cores are idle.
+        say: how many pictures there are, while those who wait have nothing else to see.
 
     Raises:
         OutputError: if the results cannot be read or the folder cannot be written to, or is a
@@ -91,7 +99,7 @@ def make_pictures(directory: Path, meanwhile: Callable[[Result], None] = lambda 
     with writing(directory / PICTURES, "pictures"):
         (directory / PICTURES).mkdir(exist_ok=True)
         missing = [each for each in wanted if each.file not in reports]
-        reports |= _draw(run, missing, meanwhile)
+        reports |= _draw(run, missing, meanwhile, say)
         _write_list(directory, wanted, reports)
 
 
@@ -109,7 +117,10 @@ def _lacks(run: Result, wanted: Wanted) -> str:
 
 
 def _draw(
-    run: Result, wanted: Sequence[Wanted], meanwhile: Callable[[Result], None]
+    run: Result,
+    wanted: Sequence[Wanted],
+    meanwhile: Callable[[Result], None],
+    say: Callable[[str], None],
 ) -> dict[str, dict[str, Any]]:
     """Caption and size of each picture, or the reason why there is none."""
     files = [each.file for each in wanted if each.kind in BY_CHILD]
@@ -135,6 +146,9 @@ def _draw(
                     partial(_draw_contacts, run, each),
                     lambda fault: {"reason": fault.reason},
                 )
+        while waited_for(drawn, EVERY).not_done:
+            there = sum((folder_of(run) / PICTURES / each.file).exists() for each in wanted)
+            say(f"picture {there + 1} of {len(wanted)}")
         for share in drawn:
             reports |= {file: _checked(file, report) for file, report in share.result().items()}
     return reports
