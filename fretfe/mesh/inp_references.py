@@ -110,7 +110,7 @@ def _pairs(cards: Sequence[Card]) -> Iterator[tuple[Card, Card]]:
 
 def _reference(deck: Deck, card: Card, kind: Card) -> Reference:
     """One of them."""
-    card.refuse("ORIENTATION", "INFLUENCERADIUS")
+    card.refuse("INFLUENCERADIUS")
     axes = frozenset((1, 2, 3))
     if card.word == "RIGIDBODY":
         named = [name for key in RIGID if (name := card.name(key))]
@@ -127,10 +127,12 @@ def _reference(deck: Deck, card: Card, kind: Card) -> Reference:
         named, turning = [row[0].strip('"').upper() for row in card.rows if row[0]], None
     if len(named) != 1:
         raise ValueError(f"expected one set or surface, found {', '.join(named) or 'none'}")
-    if kind.word == "KINEMATIC":
+    if kind.word in ("KINEMATIC", "DISTRIBUTING"):
         axes = _axes([row[:2] for row in kind.rows])
     elif kind.word == "KINEMATICCOUPLING":
         axes = _axes([row[1:3] for row in kind.rows])
+    if len(axes) < 3:  # along its own axes
+        card.refuse("ORIENTATION")
     if kind.word == "DISTRIBUTINGCOUPLING":
         elements = deck.members("ELSET", card.required("ELSET"))
         node = deck.elements[elements[0]][1][0]

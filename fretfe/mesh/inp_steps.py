@@ -421,8 +421,8 @@ class _Steps:
         self._find(led.label)
         size, own = len(self._axes), {"boundary": led.label}
         centre = [float(value) for value in led.place[:size]]
-        if led.rigid and not led.axes.issuperset(range(1, size + 1)):
-            raise ValueError(f"{led.label} is tied along some axes only, which no platen is")
+        if not led.axes.issuperset(range(1, size + 1)):
+            raise ValueError(f"{led.label} is tied along some axes only, which no load is")
         if place <= size and led.rigid:
             yield {"type": "platen", **own, "direction": AXES[place - 1], "control": controls[0]}
         elif place <= size:

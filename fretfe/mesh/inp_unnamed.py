@@ -73,7 +73,7 @@ class _Names:
         loose = {row[1] for row in card.rows if self._loose(row[0])}
         for row in card.rows:
             # a set of whole facets, too, beside others of the same face
-            nodes = self._numbers(row[0]) if row[1] in loose else []
+            nodes = self._members(row[0]) if row[1] in loose else []
             if not nodes:
                 yield row
             for node in nodes:
@@ -104,18 +104,19 @@ class _Names:
                 yield [self._name(card, own), "P", value]
 
     def _loose(self, label: str) -> list[int]:
-        """Nodes on bodies of a row that names no boundary: a number, or a set of some nodes."""
-        nodes = self._numbers(label)
-        return [] if _nodes(self._facets(nodes)).issuperset(nodes) else nodes
+        """Nodes of bodies in a row that names no boundary: a number, or a set of some nodes."""
+        nodes = self._members(label)
+        whole = _nodes(self._facets(nodes)).issuperset(nodes)
+        return [] if whole else [node for node in nodes if node in self._deck.pieces]
 
-    def _numbers(self, label: str) -> list[int]:
-        """Nodes on the outside of bodies in a row."""
+    def _members(self, label: str) -> list[int]:
+        """Nodes in a row, if it has some on bodies."""
         name = label.strip('"').upper()
         try:
             nodes = self._deck.node_sets.get(name) or [self._deck.number(label)]
         except ValueError:
             return []
-        return [node for node in nodes if node in self._at and name not in self._deck.surfaces]
+        return [] if name in self._deck.surfaces or self._at.keys().isdisjoint(nodes) else nodes
 
     def _sides(self, row: Sequence[str]) -> list[tuple[int, int]]:
         """Elements of a row of *DLOAD and their side, if it is a pressure."""

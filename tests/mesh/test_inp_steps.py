@@ -301,5 +301,5 @@ def test_faces_that_are_tied_along_one_axis_are_no_platens(tmp_path: Path) -> No
     tables, lacks = proposed(tmp_path, PAIR + HELD + cap + step("*CLOAD", "RP, 2, -30."))
     assert "loads" not in tables
     assert [lack.rpartition(": ")[2] for lack in lacks] == [
-        "HEAD is tied along some axes only, which no platen is", "no platen is proposed"
+        "HEAD is tied along some axes only, which no load is", "no platen is proposed"
     ]  # fmt: skip

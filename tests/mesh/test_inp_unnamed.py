@@ -62,6 +62,12 @@ def test_what_is_no_surface_stays_as_it_is(tmp_path: Path, lines: str) -> None:
     assert "loads" not in tables and tables["supports"].keys() == {"boundary_1"}
 
 
+def test_nodes_of_no_element_are_left_out(tmp_path: Path) -> None:
+    more = "*NODE\n77, 9., 9.\n*NSET, NSET=BASE\n1, 2, 3, 4, 77\n*BOUNDARY\nBASE, 1, 2\n"
+    tables, lacks = proposed(tmp_path, PAIR + more)
+    assert lacks == [] and tables["supports"]["boundary_1"]["fix"] == ["x", "y"]
+
+
 def test_pieces_and_sheets_that_are_held_along_z(tmp_path: Path) -> None:
     """A boundary is on one body; of a sheet the faces, not the rim."""
     path = tmp_path / "sheets.inp"
