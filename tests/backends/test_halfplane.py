@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import json
 import re
-import subprocess
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -33,16 +32,13 @@ def _elsewhere(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
         yield
 
 
-def run(case: Path, out: Path, *options: str) -> subprocess.CompletedProcess[str]:
-    return launch.python("-m", "fretfe", "run", case, "--backend", "halfplane", "-o", out, *options)
-
-
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with a case, its results, and what was printed."""
     path = tmp_path_factory.mktemp("run")
     (path / "pad.toml").write_text(HERTZ)
-    done = run(path / "pad.toml", path / "halfplane")
+    command = ("-m", "fretfe", "run", path / "pad.toml", "--backend", "halfplane")
+    done = launch.python(*command, "-o", path / "halfplane")
     assert done.returncode == 0, done.stderr
     (path / "halfplane.txt").write_text(done.stdout)
     return path
@@ -131,7 +127,8 @@ def test_numbers_are_those_of_hertz_and_cattaneo(folder: Path) -> None:
 def test_files_of_an_earlier_run_that_do_not_belong_to_it_go(folder: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
     for options in ((), ("--no-report",)):
-        done = run(folder / "pad.toml", out, *options)
+        case = folder / "pad.toml"
+        done = launch.fretfe("run", case, "--backend", "halfplane", "-o", out, *options)
         assert done.returncode == 0, done.stderr
         assert (out / "report.html").exists() == (not options)
 

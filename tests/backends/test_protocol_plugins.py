@@ -25,6 +25,7 @@ def _elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Run fretfe as it is installed, with lines so long that no message is broken."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setitem(launch.ENVIRONMENT, "COLUMNS", "1000")
+    monkeypatch.setenv("COLUMNS", "1000")
     (tmp_path / "case.toml").write_text(HERTZ)
 
 
@@ -48,10 +49,7 @@ def package(tmp_path_factory: pytest.TempPathFactory) -> Path:
 def plugin(package: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """fretfe finds the installed package."""
     monkeypatch.setitem(launch.ENVIRONMENT, "PYTHONPATH", str(package))
-
-
-def fretfe(*arguments: str | Path) -> subprocess.CompletedProcess[str]:
-    return launch.python("-m", "fretfe", *arguments)
+    monkeypatch.syspath_prepend(package)
 
 
 def listing(done: subprocess.CompletedProcess[str]) -> dict[str, list[str]]:
@@ -75,7 +73,7 @@ def listing(done: subprocess.CompletedProcess[str]) -> dict[str, list[str]]:
 
 @pytest.mark.usefixtures("plugin")
 def test_installed_backend_is_listed() -> None:
-    rows = listing(fretfe("backends"))
+    rows = listing(launch.python("-m", "fretfe", "backends"))
     assert list(rows) == ["halfplane", "fem", "two_terms"]
     usable, package, summary = rows["two_terms"]
     assert (usable, package) == ("yes", "fretfe-two-terms 0.1.0")
@@ -86,7 +84,7 @@ def test_installed_backend_is_listed() -> None:
 @pytest.mark.usefixtures("plugin")
 def test_installed_backend_solves_a_case(tmp_path: Path) -> None:
     for name in ("two_terms", "halfplane"):
-        done = fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", name)
+        done = launch.fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", name)
         assert done.returncode == 0, done.stderr
     formula, exact = (
         json.loads((tmp_path / name / "results.json").read_text())
@@ -122,14 +120,14 @@ def test_installed_backend_says_what_it_cannot_solve(
 ) -> None:
     assert old in HERTZ
     (tmp_path / "case.toml").write_text(HERTZ.replace(old, new))
-    done = fretfe("run", "--no-report", "case.toml", "--backend", "two_terms", "-o", "out")
+    done = launch.fretfe("run", "--no-report", "case.toml", "--backend", "two_terms", "-o", "out")
     assert done.returncode == 4
     assert words in done.stderr and not (tmp_path / "out").exists()
 
 
 @pytest.mark.usefixtures("plugin")
 def test_listing_says_which_backends_can_solve_a_case() -> None:
-    rows = listing(fretfe("backends", DEMOS / "dovetail.toml"))
+    rows = listing(launch.fretfe("backends", DEMOS / "dovetail.toml"))
     assert rows["fem"][0] == ("yes" if HAS_DOLFINX else "no")
     for name in ("halfplane", "two_terms"):
         usable, _, reason = rows[name]
@@ -160,12 +158,12 @@ def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         (info / "entry_points.txt").write_text(f"[fretfe.backends]\n{name} = {name}:{attribute}\n")
         if source is not None:
             (folder / f"{name}.py").write_text(source)
-    monkeypatch.setitem(launch.ENVIRONMENT, "PYTHONPATH", str(folder))
+    monkeypatch.syspath_prepend(folder)
 
 
 @pytest.mark.usefixtures("broken")
 def test_broken_backends_are_listed_with_the_reason() -> None:
-    rows = listing(fretfe("backends"))
+    rows = listing(launch.fretfe("backends"))
     assert list(rows) == ["halfplane", "fem", *sorted(BROKEN)]
     assert rows["halfplane"][0] == "yes"
     for name, (*_, words) in BROKEN.items():
@@ -176,14 +174,14 @@ def test_broken_backends_are_listed_with_the_reason() -> None:
 
 @pytest.mark.usefixtures("broken")
 def test_broken_backend_does_not_disturb_the_others() -> None:
-    done = fretfe("run", "--no-report", "case.toml", "--backend", "halfplane", "-o", "out")
+    done = launch.fretfe("run", "--no-report", "case.toml", "--backend", "halfplane", "-o", "out")
     assert done.returncode == 0, done.stderr
 
 
 @pytest.mark.usefixtures("broken")
 @pytest.mark.parametrize("name", ["raises", "incomplete"])
 def test_broken_backend_cannot_be_chosen(tmp_path: Path, name: str) -> None:
-    done = fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", "out")
+    done = launch.fretfe("run", "--no-report", "case.toml", "--backend", name, "-o", "out")
     assert done.returncode == 7
     assert "Traceback" not in done.stderr
     assert all(word in done.stderr for word in (repr(name), *BROKEN[name][-1])), done.stderr
@@ -191,14 +189,14 @@ def test_broken_backend_cannot_be_chosen(tmp_path: Path, name: str) -> None:
 
 
 def test_unknown_backend_is_answered_with_the_names(tmp_path: Path) -> None:
-    done = fretfe("run", "--no-report", "case.toml", "--backend", "halfplan", "-o", "out")
+    done = launch.fretfe("run", "--no-report", "case.toml", "--backend", "halfplan", "-o", "out")
     assert done.returncode == 2
     assert "'halfplan'" in done.stderr and "halfplane, fem" in done.stderr
     assert not (tmp_path / "out").exists()
 
 
 def test_the_backend_of_earlier_versions_names_what_takes_its_place(tmp_path: Path) -> None:
-    done = fretfe("run", "--no-report", "case.toml", "--backend", "analytic", "-o", "out")
+    done = launch.fretfe("run", "--no-report", "case.toml", "--backend", "analytic", "-o", "out")
     assert done.returncode == 2
     assert "no backend is called 'analytic'" in done.stderr
     assert "'halfplane' solves the same cases" in done.stderr
@@ -206,7 +204,7 @@ def test_the_backend_of_earlier_versions_names_what_takes_its_place(tmp_path: Pa
 
 
 def test_case_that_is_no_half_plane_problem(tmp_path: Path) -> None:
-    done = fretfe(
+    done = launch.fretfe(
         "run", "--no-report", DEMOS / "dovetail.toml", "--backend", "halfplane", "-o", "out"
     )
     assert done.returncode == 4

@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from harness.launch import fretfe, python
+from harness.launch import fretfe
 from typer.testing import CliRunner
 
 from fretfe.backends import Backend, Installed, RunOptions
@@ -20,7 +20,7 @@ from fretfe.cli.app import app
 from fretfe.cli.run import verify as verify_backends
 from fretfe.errors import CaseError
 from fretfe.quality import verification
-from fretfe.quality.comparison import Benchmark
+from fretfe.quality.comparison import Benchmark, Row
 from fretfe.quality.verification import benchmarks, controls
 from fretfe.results.model import Result
 
@@ -33,11 +33,30 @@ ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture(scope="module")
-def document() -> dict[str, Any]:
-    done = python("-m", "fretfe", "verify", "--backend", "halfplane", "--json")
-    assert done.returncode == 0, done.stdout + done.stderr
-    assert done.stderr == ""
-    return dict(json.loads(done.stdout))
+def printed() -> dict[str, str]:
+    """Output with and without --json, of benchmarks that are run once for both."""
+    run = verification.run_benchmark
+    found: dict[str, tuple[Row, ...]] = {}
+
+    def once(benchmark: Benchmark, installed: Installed) -> tuple[Row, ...]:
+        if benchmark.name not in found:
+            found[benchmark.name] = run(benchmark, installed)
+        return found[benchmark.name]
+
+    outputs = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(verification, "run_benchmark", once)
+        for options in ((), ("--json",)):
+            done = fretfe("verify", "--backend", "halfplane", *options)
+            assert done.returncode == 0, done.stdout + done.stderr
+            assert done.stderr == ""
+            outputs["".join(options)] = done.stdout
+    return outputs
+
+
+@pytest.fixture(scope="module")
+def document(printed: dict[str, str]) -> dict[str, Any]:
+    return dict(json.loads(printed["--json"]))
 
 
 def test_json_document(document: dict[str, Any]) -> None:
@@ -66,12 +85,10 @@ def test_json_numbers(document: dict[str, Any]) -> None:
             assert row["computed"] is None and row["reason"]
 
 
-def test_tables() -> None:
-    done = fretfe("verify", "--backend", "halfplane")
-    assert done.returncode == 0, done.stdout + done.stderr
+def test_tables(printed: dict[str, str]) -> None:
     for words in ("two cylinders", "reference", "tolerance", "verdict", "agrees", "caught"):
-        assert words in done.stdout
-    assert "differs" not in done.stdout and "failed" not in done.stdout
+        assert words in printed[""]
+    assert "differs" not in printed[""] and "failed" not in printed[""]
 
 
 def test_unknown_backend() -> None:
