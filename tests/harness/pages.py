@@ -68,7 +68,7 @@ class Reader:
 
     Attributes:
         folder: what the page calls the present folder.
-        coarser: replaced in files as they are saved, so that they are solved in seconds.
+        coarser: replaced in files, examples and commands, so that they are solved in seconds.
         names: those of the Python examples.
         printed: by the last example; None if it has been compared.
     """
@@ -86,9 +86,12 @@ class Reader:
 
     def save(self, name: str, text: str) -> None:
         """Save a file, made coarser."""
+        (self.folder / name).write_text(self._coarser(text))
+
+    def _coarser(self, text: str) -> str:
         for fine, coarse in self.coarser.items():
             text = text.replace(fine, coarse)
-        (self.folder / name).write_text(text)
+        return text
 
     def _follow(self, block: Block) -> None:
         if block.change_of:
@@ -99,7 +102,7 @@ class Reader:
         elif block.kind == "python":
             self._example(block.text)
         elif block.kind == "sh":
-            for line in block.text.replace("\\\n", " ").splitlines():
+            for line in self._coarser(block.text).replace("\\\n", " ").splitlines():
                 self._command(shlex.split(line, comments=True))
         elif block.kind == "text" and self.printed:
             assert block.text == self.printed
@@ -110,11 +113,9 @@ class Reader:
         self.done += 1
 
     def _example(self, text: str) -> None:
-        for fine, coarse in self.coarser.items():
-            text = text.replace(fine, coarse)
         printed = io.StringIO()
         with contextlib.redirect_stdout(printed):
-            exec(compile(text, "example.py", "exec"), self.names)
+            exec(compile(self._coarser(text), "example.py", "exec"), self.names)
         self.printed = printed.getvalue()
 
     def _command(self, words: list[str]) -> None:
