@@ -7,12 +7,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from fretfe._typing import Array
-from fretfe.bodies.continued import half_middles
+from fretfe.bodies.continued import coupled_contacts, half_middles
 from fretfe.bodies.definition import (
     ModelDefinition,
     Pair,
     contact_surfaces,
-    couple_contacts,
     model_notes,
     require_possible,
 )
@@ -73,7 +72,7 @@ class Checked:
     @property
     def middles(self) -> dict[str, Array]:
         """(2,) places where plane contacts end in a plane of symmetry at one end, by contact."""
-        return half_middles(self.case, self.definition, self.mesh, self.pairs)
+        return half_middles(self.pairs)
 
     @property
     def cost(self) -> Cost:
@@ -156,7 +155,7 @@ def check(case: Case) -> Checked | None:
     history, mesh = checked_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
     require_possible(case, definition, history)
-    pairs = couple_contacts(case, contact_surfaces(definition, mesh), definition.components)
+    pairs = coupled_contacts(case, definition, mesh, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)
 

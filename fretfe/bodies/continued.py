@@ -7,18 +7,21 @@ sector does: a front that ends there has no free end.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.bodies.definition import BodyDefinition, ModelDefinition, Pair
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition, Pair, couple_contacts
 from fretfe.bodies.point_values import FLAT
 from fretfe.case import Case
+from fretfe.loads.friction import read_coefficients
 from fretfe.materials.crystals import turned
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.friction import require_covered
 from fretfe.surface.surface import Surface, boundary_surface
 
 # Cosine of the angle between the contact and a plane of symmetry from which the contact is smooth
@@ -110,34 +113,40 @@ def normals_behind(
     return found
 
 
-def half_end(continued: Array | None) -> int | None:
-    """The only end, 0 or -1, at which a plane contact goes on behind a plane of symmetry.
+def coupled_contacts(
+    case: Case, model: ModelDefinition, mesh: Mesh, surfaces: Mapping[str, Surface]
+) -> tuple[Pair, ...]:
+    """The contact pairs of a case, which know where the bodies go on behind their ends.
 
-    Args:
-        continued: (N, 2) as of `continued_nodes`.
+    Arc lengths of a half model begin at its plane of symmetry.
+
+    Raises:
+        CaseError: friction is not given all over a surface.
     """
-    if continued is None:
+    pairs = []
+    for pair in couple_contacts(case, surfaces, model.components):
+        continued, surface = continued_nodes(case, model, mesh, pair), pair.coupling.surface
+        surface = replace(surface, continued=continued)
+        if (end := half_end(surface)) is not None:
+            surface = replace(surface, arc=surface.arc - surface.arc[end])
+        require_covered(read_coefficients(case, pair.name), surface)
+        pairs.append(replace(pair, coupling=replace(pair.coupling, surface=surface)))
+    return tuple(pairs)
+
+
+def half_end(surface: ContactSurface) -> int | None:
+    """The only end, 0 or -1, at which a plane contact goes on behind a plane of symmetry."""
+    continued = surface.continued
+    if surface.facets is not None or continued is None:
         return None
     ends = [end for end in (0, -1) if np.isfinite(continued[end]).all() and continued[end].any()]
     return ends[0] if len(ends) == 1 else None
 
 
-def from_symmetry(arc: Array, continued: Array | None) -> Array:
-    """(N,) arc of a plane contact, from the plane of symmetry of a half model; (0,) of solids."""
-    end = half_end(continued) if len(arc) else None
-    return arc if end is None else arc - arc[end]
-
-
-def half_middles(
-    case: Case, model: ModelDefinition, mesh: Mesh, pairs: Sequence[Pair]
-) -> dict[str, Array]:
+def half_middles(pairs: Sequence[Pair]) -> dict[str, Array]:
     """(2,) places where plane contacts end in a plane of symmetry at one end, by contact."""
-    found = {}
-    for pair in pairs if mesh.dimension == 2 else ():
-        end = half_end(continued_nodes(case, model, mesh, pair))
-        if end is not None:
-            found[pair.name] = pair.coupling.surface.points[end]
-    return found
+    ends = {pair.name: (pair.coupling.surface, half_end(pair.coupling.surface)) for pair in pairs}
+    return {name: each.points[end] for name, (each, end) in ends.items() if end is not None}
 
 
 def _sides(

@@ -221,7 +221,9 @@ def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surfa
     }
 
 
-def couple_contacts(case: Case, surfaces: dict[str, Surface], components: int) -> tuple[Pair, ...]:
+def couple_contacts(
+    case: Case, surfaces: Mapping[str, Surface], components: int
+) -> tuple[Pair, ...]:
     """The contact pairs of a case, in its order, for so many components of the displacement."""
     pairs = []
     for name, contact in case.contacts.items():

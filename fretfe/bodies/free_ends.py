@@ -15,7 +15,7 @@ from typing import Any
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Indices
 from fretfe.bodies.continued import normals_behind
 from fretfe.bodies.definition import ModelDefinition, define_model
 from fretfe.case import Case

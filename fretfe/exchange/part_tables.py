@@ -136,6 +136,9 @@ class PartTables:
         for key in ("file", "facets"):
             if key in geometry:
                 geometry[key] = _relative(case.resolve(geometry[key]), output)
+        friction = data["contacts"][self._pair]["friction"]
+        if isinstance(friction, dict) and "csv" in friction:
+            friction["csv"] = _relative(case.resolve(friction["csv"]), output)
         data["supports"] = {
             name: support.model_dump(mode="json", exclude_unset=True, exclude_none=True)
             for name, support in case.supports.items()

@@ -13,8 +13,8 @@ import scipy.linalg
 
 from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS, Backend, Processes, RunOptions, Session
-from fretfe.bodies.continued import half_middles
-from fretfe.bodies.definition import contact_surfaces, couple_contacts, define_model
+from fretfe.bodies.continued import coupled_contacts, half_middles
+from fretfe.bodies.definition import contact_surfaces, define_model
 from fretfe.bodies.expected import coarse_contacts, pressure_doubts
 from fretfe.bodies.free_ends import end_warning
 from fretfe.case import Case, stiffness_doubts
@@ -210,8 +210,7 @@ def _middles(case: Case, mesh: Mesh) -> dict[str, Array]:
     if mesh.dimension == 3 or not held:
         return {}
     model = define_model(case, mesh)
-    pairs = couple_contacts(case, contact_surfaces(model, mesh), model.components)
-    return half_middles(case, model, mesh, pairs)
+    return half_middles(coupled_contacts(case, model, mesh, contact_surfaces(model, mesh)))
 
 
 BACKEND = FemBackend()

@@ -14,12 +14,12 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array
+from fretfe.bodies.continued import coupled_contacts
 from fretfe.bodies.definition import (
     BodyDefinition,
     ModelDefinition,
     Pair,
     contact_surfaces,
-    couple_contacts,
     model_notes,
 )
 from fretfe.bodies.rigid_modes import held_model
@@ -110,10 +110,15 @@ class Model:
         self.comm = comm
         self.case = case
         definition = on_root(comm, lambda: held_model(case, mesh))  # type: ignore[arg-type]
+
+        def coupled() -> tuple[Pair, ...]:
+            assert mesh is not None
+            return coupled_contacts(case, definition, mesh, surfaces)
+
         with clock("surfaces"):
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
-            self.surfaces, components = surfaces, definition.components
-            pairs = on_root(comm, lambda: couple_contacts(case, surfaces, components), share=False)
+            self.surfaces = surfaces
+            pairs = on_root(comm, coupled, share=False)
             self.on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs))  # type: ignore[arg-type]
         why = unsymmetric_because()
         notes = on_root(comm, lambda: model_notes(case, definition, mesh))  # type: ignore[arg-type]

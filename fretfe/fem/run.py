@@ -14,7 +14,6 @@ from typing import Any
 import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
-from fretfe.bodies.continued import continued_nodes, from_symmetry
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Wave, case_notes
@@ -479,11 +478,8 @@ def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> boo
 
 def _place(prepared: Prepared, pair: Pair) -> Place:
     model, coupling, names = prepared.model, pair.coupling, (pair.name, pair.body1, pair.body2)
-    continued = continued_nodes(model.case, model.reduction.definition, prepared.mesh, pair)
     surface = replace(
         coupling.surface,
-        arc=from_symmetry(coupling.surface.arc, continued),
-        continued=continued,
         dundurs=coupled_beta(model.case, *names),
         growth=_growth(prepared.mesh, pair),
     )

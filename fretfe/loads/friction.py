@@ -91,7 +91,13 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
                 raise CaseError(complaint(case.source, (*key, "csv"), str(error))) from None
         case number:
             found = {"values": np.array([number])}
-    return Coefficients(f"{case.source}: {key_path(key)}", contact.friction_from, **found)
+    place = f"{case.source}: {key_path(key)}"
+    if "arc" in found and case.geometry.part is not None:
+        raise CaseError(
+            f"{place}: expected places x and y in a part of the bodies, whose surfaces have other "
+            "arc lengths, found arc lengths"
+        )
+    return Coefficients(place, contact.friction_from, **found)
 
 
 def _in_file(case: Case, given: InFile) -> dict[str, Array]:

@@ -31,17 +31,10 @@ class Friction:
 
     @classmethod
     def of(cls, given: Coefficients, times: Array, surface: ContactSurface) -> Friction:
-        """That of a contact of a case, for states at times (T,).
-
-        Raises:
-            CaseError: a table does not cover the surface.
-        """
+        """That of a contact of a case, for states at times (T,), which covers the surface."""
         if given.even:
             return cls.uniform(given.over(times), len(surface.weights))
-        try:
-            own = _along(given, surface)
-        except CaseError as error:
-            raise CaseError(f"{given.key}: {error}") from None
+        own = _along(given, surface)
         return cls(np.array([np.zeros_like(own), own]), (times > given.begins).astype(np.int64))
 
     @classmethod
@@ -83,8 +76,22 @@ class Friction:
         return float(self.fields[self.number].max())
 
 
+def require_covered(given: Coefficients, surface: ContactSurface) -> None:
+    """Check that coefficients are given all over a surface.
+
+    Raises:
+        CaseError: they are not, or those along an arc are for a surface of solids.
+    """
+    if given.even:
+        return
+    try:
+        _along(given, surface)
+    except CaseError as error:
+        raise CaseError(f"{given.key}: {error}") from None
+
+
 def _along(table: Coefficients, surface: ContactSurface) -> Array:
-    """(N,) coefficients of a table at the nodes of a surface that it has to cover."""
+    """(N,) coefficients of a table at the nodes of a surface."""
     dimension = surface.points.shape[1]
     if table.arc is not None:
         if dimension == 3:

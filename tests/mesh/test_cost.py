@@ -49,7 +49,9 @@ def test_what_is_behind_the_last_step_counts() -> None:
     assert found.seconds - without.seconds == pytest.approx(found.behind - without.behind)
     scale = found.unknowns / 114_096
     assert found.behind - without.behind == pytest.approx((1.8 + 0.7) * scale, rel=0.3)
-    assert without.behind - cost.DRAWING[2] == pytest.approx((7.0 - cost.DRAWING[2]) * scale, rel=0.3)
+    assert without.behind - cost.DRAWING[2] == pytest.approx(
+        (7.0 - cost.DRAWING[2]) * scale, rel=0.3
+    )
     assert found.text.endswith(" of them for edge factors, fields and pictures")
 
 

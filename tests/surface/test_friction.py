@@ -16,7 +16,7 @@ from fretfe.errors import CaseError
 from fretfe.loads import build_history
 from fretfe.loads.friction import Coefficients, read_coefficients
 from fretfe.surface.contact_surface import ContactSurface
-from fretfe.surface.friction import Friction
+from fretfe.surface.friction import Friction, require_covered
 
 
 def with_friction(friction: Any, folder: Path = Path()) -> Case:
@@ -40,6 +40,7 @@ def surface(points: Any) -> ContactSurface:
 
 
 def fields(case: Case, points: Any, times: Any = (0.5, 2.0)) -> Array:
+    require_covered(given(case), surface(points))
     return Friction.of(given(case), np.array(times), surface(points)).at(slice(None))
 
 
