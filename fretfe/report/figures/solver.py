@@ -80,7 +80,7 @@ def certificate_plot(solution: Solution) -> Plot | None:
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set_xlabel("load step")
         axes.set_ylabel("relative violation [-]")
-        legend_above(axes, columns=2)
+        legend_above(axes, columns=1)
 
     return make_plot(
         "certificate",
@@ -123,7 +123,7 @@ def refinement_plot(refinement: Refinement) -> Plot | None:
         log_axis(axes, "y")
         axes.set_xlabel("unknowns [-]")
         axes.set_ylabel("relative change [-]")
-        legend_above(axes, columns=4)
+        legend_above(axes, columns=2)
 
     return make_plot(
         "refinement",
