@@ -52,7 +52,7 @@ def references(deck: Deck) -> list[Reference]:
     for card, kind in _pairs(deck.couplings):
         try:
             found.append(_reference(deck, card, kind))
-        except (ValueError, IndexError) as error:
+        except (ValueError, IndexError, KeyError) as error:
             raise MeshError(f"{card.place}: cannot read *{card.keyword}: {error}") from None
     nodes = [each.node for each in found]
     # a mass at a reference node is no part of a body

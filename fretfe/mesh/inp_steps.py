@@ -277,7 +277,7 @@ class _Steps:
             self._lack(led.card, f"{led.label} is tied along some axes only: no platen is proposed")
             return
         try:
-            tables = [table for place in range(1, 7) for table in self._platen(led, place, FORCES)]
+            tables = [each for n in range(1, 7) for each, _ in self._moved(led, n, FORCES)]
         except MeshError as error:
             self._lack(led.card, str(error))
             return
@@ -387,7 +387,8 @@ class _Steps:
             for each, place in ((each, place + more) for each, more in led for place in places):
                 if not each.rigid:
                     raise ValueError(f"expected forces at the reference node of {each.label} alone")
-                yield from ((table, value) for table in self._platen(each, place, MOTIONS))
+                for table, _ in self._moved(each, place, MOTIONS):
+                    yield table, value
             return
         boundary = self._nodes(row[0])
         for axis in (AXES[place - 1] for place in places if place <= len(self._axes)):
@@ -399,8 +400,8 @@ class _Steps:
             raise ValueError("expected forces that keep their direction")
         if led := self._led_by(row[0]):
             for each, more in led:
-                for table in self._platen(each, int(row[1]) + more, FORCES):
-                    yield table, real(row[2])
+                for table, factor in self._moved(each, int(row[1]) + more, FORCES):
+                    yield table, factor * real(row[2])
             return
         boundary, place = self._nodes(row[0]), int(row[1]) - 1
         unnamed = self._deck.unnamed
@@ -416,23 +417,32 @@ class _Steps:
             return []
         return [self._led[node] for node in dict.fromkeys(members) if node in self._led]
 
-    def _platen(self, led: Reference, place: int, controls: tuple[str, str]) -> Iterator[TomlTable]:
-        """What moves a surface with a reference node along or about an axis, if it can."""
+    def _moved(
+        self, led: Reference, place: int, controls: tuple[str, str]
+    ) -> Iterator[tuple[TomlTable, float]]:
+        """What moves a surface with a reference node along or about an axis, and its factor."""
         self._find(led.label)
         size, own = len(self._axes), {"boundary": led.label}
         centre = [float(value) for value in led.place[:size]]
         if not led.axes.issuperset(range(1, size + 1)):
             raise ValueError(f"{led.label} is tied along some axes only, which no load is")
-        if place <= size and led.rigid:
-            yield {"type": "platen", **own, "direction": AXES[place - 1], "control": controls[0]}
-        elif place <= size:
-            yield {"type": "force", **own, "direction": AXES[place - 1], "through": centre}
-        elif not led.rigid:
-            raise ValueError(f"expected a force at the reference node of {led.label}, found a "
-                             "moment")  # fmt: skip
+        if place <= size:
+            along = {**own, "direction": AXES[place - 1]}
+            if led.rigid:
+                yield {"type": "platen", **along, "control": controls[0]}, 1.0
+            else:
+                yield {"type": "force", **along, "through": centre}, 1.0
         elif place == 6 or (place > 3 and size == 3):
-            yield {"type": "tilt", **own, "axis": AXES[place - 4], "centre": centre,
-                   "control": controls[1]}  # fmt: skip
+            about = place - 4
+            if led.rigid:
+                yield {"type": "tilt", **own, "axis": AXES[about], "centre": centre,
+                       "control": controls[1]}, 1.0  # fmt: skip
+                return
+            # a couple of forces with a lever of one
+            arm, along = (about + 1) % 3, {**own, "direction": AXES[(about + 2) % 3]}
+            for end in (0.5, -0.5):
+                through = [value + end * (axis == arm) for axis, value in enumerate(centre)]
+                yield {"type": "force", **along, "through": through}, 2 * end
 
     def _pressure(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
         """A pressure on a surface, or a traction along a vector."""

@@ -37,12 +37,12 @@ CAPPED = (
 def test_a_column_that_a_reference_node_bends(tmp_path: Path, kind: str, layers: int) -> None:
     """Navier's linear pressure and, of a rigid cap, the turn M H/(E I), both exact for ν = 0.
 
-    M is about the middle of the column; the cap gets it as a moment about its reference node, .2
-    beside it, the spread force by its place alone.
+    M is about the middle of the column: the moment about the reference node, which is .2 beside it,
+    and that of the force.
     """
     rigid = kind != "*DISTRIBUTING"
-    lever = (MOMENT if rigid else 0.0) - 0.2 * PRESSED
-    loads = f"RP, 2, {PRESSED}" + (f"\nRP, 6, {MOMENT}" if rigid else "")
+    lever = MOMENT - 0.2 * PRESSED
+    loads = f"RP, 2, {PRESSED}\nRP, 6, {MOMENT}"
     path = tmp_path / "column.inp"
     write_deck(path, [LOW, UP], CAPPED.format(kind, loads))
     tables = tomllib.loads("\n".join(outline(path)))
