@@ -110,6 +110,8 @@ class Level:
                 except _UnknownError as error:
                     reasons[card.place] = str(error)
                     self.waiting.append(card)
+                except ValueError as error:
+                    self._break(card, card.required(card.word), str(error))
             if len(self.waiting) == len(sets):
                 break
         for card in self.waiting:
@@ -358,6 +360,8 @@ class _Reader:
             try:
                 read(self._level, card)
             except _UnknownError:
+                if card.word not in ("NSET", "ELSET"):
+                    raise
                 self._level.waiting.append(card)
         elif of_material is not None and self._material is not None:
             of_material(self._material, card)

@@ -210,7 +210,11 @@ class _Steps:
             return
         if "NLGEOM" in first.parameters and first.choice("NLGEOM", "YES", "NO") == "YES":
             self._lack(first, "NLGEOM: displacements and turns are small here")
-        row = [real(value) if value else 0.0 for value in (static.rows or [[""]])[0][:2]]
+        try:
+            row = [real(value) if value else 0.0 for value in (static.rows or [[""]])[0][:2]]
+        except ValueError as error:
+            self._lack(static, str(error))
+            return
         increment, period = ((value or 1.0) for value in (*row, 0.0, 0.0)[:2])
         if "DIRECT" not in static.parameters:
             increment = max(increment, period / INCREMENTS)

@@ -8,6 +8,7 @@ so on, in the order of the file. Other rows stay as they are.
 
 from __future__ import annotations
 
+import math
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import pairwise
@@ -37,7 +38,19 @@ def name_surfaces(deck: Deck, exterior: Iterable[Facet]) -> None:
     gather = {"BOUNDARY": names.held, "CLOAD": names.forced, "DLOAD": names.pressed}
     for card in deck.analysis:
         if card.word in gather:
-            card.rows[:] = [*gather[card.word](card)]
+            # what is not whole is reported where loads are read
+            whole = [row for row in card.rows if _is_whole(card, row)]
+            rest = [row for row in card.rows if not _is_whole(card, row)]
+            card.rows[:] = whole
+            card.rows[:] = [*gather[card.word](card), *rest]
+
+
+def _is_whole(card: Card, row: Sequence[str]) -> bool:
+    """True if a row has what its keyword needs."""
+    try:
+        return len(row) > 1 and (card.word == "BOUNDARY" or math.isfinite(real(row[2])))
+    except (ValueError, IndexError):
+        return False
 
 
 class _Names:

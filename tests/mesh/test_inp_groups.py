@@ -99,6 +99,14 @@ def test_what_joins_parts_is_refused(tmp_path: Path, lines: str) -> None:
     assert "is not supported; it joins nodes or parts, which would come apart here" in message
 
 
+def test_nodes_of_instances_that_are_not_there(tmp_path: Path) -> None:
+    for lines in ("*ELEMENT, TYPE=CPE4, ELSET=UPPER\n9, A.5, 6, 7, 8\n", "*NODE\nA.5, 1., 1.\n"):
+        assert "there is no instance 'A'" in refused(tmp_path, DECK + lines)
+    # a set that waits for one that comes later
+    late = "*NSET, NSET=N\nLATER, 1x\n*NSET, NSET=LATER\n1, 2\n"
+    assert "sets and surfaces that cannot be read" in read(tmp_path, DECK + late).notes[0]
+
+
 def test_pretension_is_refused(tmp_path: Path) -> None:
     message = refused(tmp_path, DECK + "*PRE-TENSION SECTION, SURFACE=S, NODE=8\n")
     assert "shorten it by a load of type temperature" in message

@@ -179,6 +179,8 @@ def test_supports(tmp_path: Path) -> None:
         (step("*DSLOAD, AMPLITUDE=B", "HEAD, P, 1."), "the amplitude B is not known"),
         ("*AMPLITUDE, NAME=A, DEFINITION=PERIODIC\n1, 1., 0., 0.\n", "DEFINITION=PERIODIC"),
         ("*STEP\n*FREQUENCY\n5\n*END STEP\n", "step 1 is not static"),
+        (step(static="0.25, one"), "*STATIC: could not convert string to float: 'ONE'"),
+        (step("*CLOAD", "CREST, 2"), "list index out of range"),
         (step(words=", NLGEOM"), "*STEP: NLGEOM: displacements and turns are small here"),
         (step() + step("*BOUNDARY", "FOOT, 1, 2"), "FOOT is held or moved along x from t = 1 on"),
         (step("*BOUNDARY", "FOOT, 1") + step("*BOUNDARY, OP=NEW", "CREST, 2"), "step 2 frees FOOT"),
