@@ -32,7 +32,8 @@ HELD = {
     "ZSYMM": (3, 4, 5),
 }  # fmt: skip
 # What the histories of a platen and its tilts are.
-MOTIONS, FORCES = ("displacement", "rotation"), ("force", "moment")
+MOTIONS = ("displacement", "rotation")
+FORCES = ("force", "moment")
 # Load steps for a step of the deck that leaves its increments to the program.
 INCREMENTS = 10
 # Keywords that begin what a step does, other than statics.
@@ -424,7 +425,7 @@ class _Steps:
     def _moved(
         self, led: Reference, place: int, controls: tuple[str, str]
     ) -> Iterator[tuple[TomlTable, float]]:
-        """What moves a surface with a reference node along or about an axis, and its factor."""
+        """Loads of a surface with a reference node along or about an axis, and their factors."""
         self._find(led.label)
         size, own = len(self._axes), {"boundary": led.label}
         centre = [float(value) for value in led.place[:size]]
