@@ -176,7 +176,13 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
 def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     """Print size and quality of the bodies and the contacts, and what may spoil the results."""
     from fretfe.mesh.mesh import mesh_summary
-    from fretfe.surface.checks import contact_quality, initial_gaps, mesh_warnings
+    from fretfe.surface.checks import (
+        contact_quality,
+        initial_gaps,
+        mesh_warnings,
+        other_sizes,
+        unnamed_contacts,
+    )
 
     bodies = mesh_summary(mesh)
     unit = case.units.length
@@ -185,9 +191,11 @@ def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     measure = "length" if mesh.dimension == 2 else "area"
     print_whole(_surface_table(contacts, unit, measure))
     print_whole(_gap_table(contacts, unit, measure))
-    for warning in mesh_warnings(bodies, contacts, unit):
+    for warning in (*mesh_warnings(bodies, contacts, unit), *unnamed_contacts(mesh, case)):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
-    for note in mesh.notes:
+    size = case.geometry.size if mesh.dimension == 3 and case.edges.tolerance is None else None
+    other = other_sizes(contacts, size, unit) if size is not None else ()
+    for note in (*mesh.notes, *other):
         console.print(f"Note: {note}", highlight=False, markup=False)
 
 

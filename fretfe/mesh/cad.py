@@ -194,8 +194,11 @@ def _face_distance(gmsh: ModuleType, face: int, point: Array) -> float:
 
 def _curve_distance(gmsh: ModuleType, curve: int, point: Array) -> float:
     """From the foot of the perpendicular or from an end, whichever is nearer."""
-    bounds = np.ravel(gmsh.model.getParametrizationBounds(1, curve))
-    ends = np.reshape(gmsh.model.getValue(1, curve, bounds), (-1, 3))
+    low, high = np.ravel(gmsh.model.getParametrizationBounds(1, curve))
+    ends = np.reshape(gmsh.model.getValue(1, curve, [low, (low + high) / 2, high]), (-1, 3))
+    # At the pole of a revolved face there is a curve of no length, on which nothing is projected.
+    if np.ptp(ends, axis=0).max() < TIE * TIE * (high - low):
+        return float(np.linalg.norm(ends[0] - point))
     foot = gmsh.model.getClosestPoint(1, curve, point)[0]
     return float(np.linalg.norm(np.vstack([ends, foot]) - point, axis=1).min())
 

@@ -304,7 +304,8 @@ def test_quality_of_a_ball_above_a_flat(cell: str, order: int) -> None:
     flat = sheets.sheet("flat", line, line, cell, order, sheets.level(1.02), down=True)
     ball = sheets.cap("ball", 1.0, cell, order, 8)
     (found,) = contact_quality({"main": initial_gap(flat, ball)})
-    share = np.sqrt(0.5) if cell == "triangle" else 1.0
+    # The side of an even triangle with half of a square.
+    share = np.sqrt(2 / np.sqrt(3)) if cell == "triangle" else 1.0
     first, second = found.surfaces
     assert first.measure == pytest.approx(1.0, rel=1e-12)
     assert first.smallest == pytest.approx(share / 6, rel=1e-12)

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.surface.checks import unnamed_contacts
 
 BODIES: dict[str, Any] = {"upper": {"point": [0, 0, 1]}, "lower": {"point": [1.5, 0, -1]}}
 BOUNDARIES: dict[str, Any] = {
@@ -79,6 +81,52 @@ def test_elements_have_the_size_asked_for_on_the_contact(folder: Path) -> None:
     edges = np.sqrt(facet_measures(lower.points, facets) * 4 / math.sqrt(3))
     assert np.median(edges) == pytest.approx(0.25, rel=0.15)
     assert len(lower.boundaries["lower_bottom"]) < len(facets) / 4
+
+
+def test_bodies_that_touch_without_a_contact_are_listed(folder: Path) -> None:
+    """The cylinder stands on the block; with a contact of other
+    surfaces that goes unheeded."""
+    tables = pad(
+        geometry={"file": str(folder / "apart.step"), **CAD},
+        supports={"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
+        loads={"press": press(steps=1)},
+    )
+    case = parse_case(tables)
+    mesh = grouped_mesh(case)
+    assert list(unnamed_contacts(mesh, case)) == []
+    tables["contacts"]["main"] |= {"surface1": "upper_side", "surface2": "lower_sides"}
+    (found,) = unnamed_contacts(mesh, parse_case(tables))
+    assert found.startswith("bodies 'upper' and 'lower' touch around (")
+
+
+def test_a_revolved_nose_meshes_to_its_pole(tmp_path: Path) -> None:
+    """The spherical tip has an edge of no length at its pole, where a stranger points at it."""
+    radius, wide, high = 10.0, 1.6, 4.0
+    with gmsh_model(tmp_path):
+        occ = gmsh.model.occ
+        rim = radius - math.sqrt(radius**2 - wide**2)
+        places = [(0, 0), (wide, rim), (wide, high), (0, high)]
+        first, *others = (occ.addPoint(x, 0, z) for x, z in places)
+        arc = occ.addCircleArc(first, occ.addPoint(0, 0, radius), others[0])
+        lines = [occ.addLine(*ends) for ends in pairwise([*others, first])]
+        section = occ.addPlaneSurface([occ.addCurveLoop([arc, *lines])])
+        occ.revolve([(2, section)], 0, 0, 0, 0, 0, 1, 2 * math.pi)
+        occ.remove([(2, section)], recursive=True)
+        occ.addBox(-2, -2, -2, 4, 4, 2)
+        occ.synchronize()
+        gmsh.write(str(tmp_path / "nose.step"))
+    boundaries = BOUNDARIES | {
+        "upper_contact": {"point": [0, 0, 0], "body": "upper"},
+        "upper_top": {"point": [0.2, 0.1, high]},
+        "upper_side": {"point": [0, wide, 2]},
+    }
+    mesh = mesh_of(tmp_path / "nose.step", size=0.3, boundaries=boundaries)
+    upper = mesh.bodies["upper"]
+    assert area(upper, "upper_contact") == pytest.approx(2 * math.pi * radius * rim, rel=1e-3)
+    facets = upper.points[upper.boundaries["upper_contact"][:, :3]]
+    sides = np.linalg.norm(facets - np.roll(facets, 1, axis=1), axis=2)
+    assert np.median(sides) == pytest.approx(0.3, rel=0.1)
+    assert np.percentile(sides, [5, 95]) == pytest.approx(0.3, rel=0.35)
 
 
 def test_lengths_are_converted(folder: Path) -> None:
