@@ -181,8 +181,8 @@ def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
         initial_gaps,
         mesh_warnings,
         other_sizes,
-        unnamed_contacts,
     )
+    from fretfe.surface.unnamed import unnamed_contacts
 
     bodies = mesh_summary(mesh)
     unit = case.units.length

@@ -7,9 +7,8 @@ And the quality of the mesh of each contact: numbers, and warnings in words.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping, Sequence, Set
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -17,26 +16,15 @@ from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.errors import MeshError
 from fretfe.mesh.body_overlap import BodyOverlap, body_overlaps
-from fretfe.mesh.elements import (
-    CORNERS,
-    FACET_SHAPES,
-    directed_facets,
-    exterior_facets,
-    shape_values,
-)
+from fretfe.mesh.elements import shape_values
 from fretfe.mesh.load import grouped_mesh, naming_case
 from fretfe.mesh.make import SetSizes
-from fretfe.mesh.mesh import BodyMesh, BodySummary, Mesh
+from fretfe.mesh.mesh import BodySummary, Mesh
 from fretfe.surface.mortar import overlap_points, search_reach
 from fretfe.surface.surface import Surface, build_surface, curvatures, deviations
 
 # An interpenetration of this fraction of a facet is not resolved by the mesh and does no harm.
 INTERPENETRATION_PER_FACET = 0.01
-# Smallest and largest side over the size asked for that a mesh of even triangles has.
-SAME_SIZE = 0.5, 1.6
-# Bodies touch that are nearer than this part of their facets there, whose normals have a cosine
-# below that one.
-TOUCHING, OPPOSITE = 0.02, -0.9
 # Coordinates in mesh files may be rounded to this fraction of the size of the surfaces.
 FILE_ROUNDING = 1e-6
 # What is compared with the reach of the search, by dimension.
@@ -242,63 +230,6 @@ def load_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     return mesh
 
 
-def unnamed_contacts(mesh: Mesh, case: Case) -> Iterator[str]:
-    """Where two bodies touch, or nearly, and no contact or tie of the case holds them apart."""
-    from scipy.spatial import cKDTree
-
-    named = {name for each in case.contacts.values() for name in (each.surface1, each.surface2)}
-    outsides = {name: _outside(body, named) for name, body in mesh.bodies.items()}
-    for (name1, first), (name2, second) in combinations(outsides.items(), 2):
-        if not (len(first.sizes) and len(second.sizes)):
-            continue
-        reach = float(np.minimum(first.sizes.max(), second.sizes.max()))
-        apart, nearest = cKDTree(second.middles).query(first.middles, distance_upper_bound=reach)
-        near = np.flatnonzero(np.isfinite(apart))
-        others = nearest[near]
-        size = np.minimum(first.sizes[near], second.sizes[others])
-        offset = first.middles[near] - second.middles[others]
-        gap = np.abs(np.einsum("fd,fd->f", offset, second.normals[others]))
-        faces = np.einsum("fd,fd->f", first.normals[near], second.normals[others]) < OPPOSITE
-        touching = near[faces & (gap < TOUCHING * size)]
-        if len(touching) >= FEWEST_ELEMENTS:
-            middles = first.middles[touching]
-            there = middles[np.argmin(np.linalg.norm(middles - middles.mean(axis=0), axis=1))]
-            yield (
-                f"bodies {name1!r} and {name2!r} touch around {place(there, 4)}, where the case "
-                f"has no contact ({len(touching)} facets): they go through each other there, "
-                "unless both surfaces are named in a table [contacts.NAME]"
-            )
-
-
-@dataclass(frozen=True)
-class _Outside:
-    """Facets around a body: (f, d) middles and outward unit normals, (f,) sizes."""
-
-    middles: Array
-    normals: Array
-    sizes: Array
-
-
-def _outside(body: BodyMesh, without: Set[str]) -> _Outside:
-    """The facets around a body that are in none of some boundaries."""
-    shape = FACET_SHAPES[body.cell]
-    facets, _ = exterior_facets(directed_facets(body.cells, body.cell, body.order), shape)
-    corners = facets[:, : CORNERS[shape]]
-    inside = np.zeros(len(body.points), dtype=bool)
-    for name in without & set(body.boundaries):
-        inside[body.boundaries[name]] = True
-    corners = corners[~inside[corners].all(axis=1)]
-    points = body.points[corners]
-    if points.shape[2] == 2:
-        along = points[:, 1] - points[:, 0]
-        normals = np.column_stack([along[:, 1], -along[:, 0]])
-    else:
-        normals = np.cross(points[:, 1] - points[:, 0], points[:, -1] - points[:, 0])
-    lengths = np.linalg.norm(normals, axis=1)
-    sizes = lengths ** (1 / (points.shape[2] - 1))
-    return _Outside(points.mean(axis=1), normals / lengths[:, None], sizes)
-
-
 @dataclass(frozen=True)
 class SurfaceQuality:
     """The facets of one contact surface; lengths in the units of the mesh.
@@ -336,7 +267,8 @@ class SurfaceQuality:
 def other_sizes(contacts: Sequence[ContactQuality], size: float, unit: str) -> Iterator[str]:
     """Contact surfaces whose elements are not as long as the case asks for, and why, in words."""
     for surface in {each.name: each for found in contacts for each in found.surfaces}.values():
-        if surface.smallest < SAME_SIZE[0] * size or surface.largest > SAME_SIZE[1] * size:
+        # Even triangles have sides from .6 to 1.4 of that.
+        if surface.smallest < 0.5 * size or surface.largest > 1.6 * size:
             yield (
                 f"{surface.name} has elements of {surface.smallest:.2g} to {surface.largest:.2g} "
                 f"{unit} where geometry.size = {size:g}: short edges and small radii of the CAD "

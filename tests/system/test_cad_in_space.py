@@ -19,7 +19,7 @@ from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.gmsh import gmsh_model
 from fretfe.mesh.load import grouped_mesh
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.checks import unnamed_contacts
+from fretfe.surface.unnamed import unnamed_contacts
 
 BODIES: dict[str, Any] = {"upper": {"point": [0, 0, 1]}, "lower": {"point": [1.5, 0, -1]}}
 BOUNDARIES: dict[str, Any] = {
