@@ -27,8 +27,9 @@ from fretfe.surface.surface import Surface
 
 # Gaps over the largest one of a contact up to which it is expected to close at an end.
 CLOSES = 0.02
-# Shortest elements over what stations need, as round-off must not decide.
-BELOW = 0.95
+# Layer at an end over the distance of the first station: those behind grow by 1.4 each, and with .8
+# of it a pad has no range there.
+BELOW = 0.7
 # The key of templates and of extrusions.
 END_SIZE = "end_size"
 
@@ -85,8 +86,8 @@ def thick_ends(case: Case, mesh: Mesh) -> Iterator[ThickEnd]:
             for each in _along_front(case, mesh, model, initial, surface)
         ]
         size, spacing = max(found, key=lambda each: each[0] / each[1], default=(0.0, math.inf))
-        if size > spacing / 2:
-            left_out = math.floor(size / spacing + 0.5)
+        if size > 1.05 * BELOW * spacing / 2:
+            left_out = max(math.floor(size / spacing + 0.5), 1)
             yield ThickEnd(name, size, BELOW * _share(case) * spacing / 2, left_out)
 
 
@@ -184,4 +185,4 @@ def _template_values(case: Case) -> dict[str, float]:
 def _rounded_down(size: float) -> float:
     """A length with two digits, no larger than it is."""
     power = 10.0 ** (math.floor(math.log10(size)) - 1)
-    return float(f"{math.floor(size / power) * power:.2g}")
+    return float(f"{math.floor(size / power + 1e-9) * power:.2g}")
