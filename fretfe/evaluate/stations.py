@@ -259,7 +259,7 @@ class EdgeData(ABC):
             reference_length=math.nan if self.lengths is None else float(self.lengths[number]),
             exponent=float(exponents[history.decisive]),
             oscillation=oscillation(beta),
-            # Shear along the front is independent of beta.
+            # Pressure is coupled with shear across the front alone.
             coupling=abs(beta * float(direction[0])) * float(friction.max()),
             friction=float(friction[history.decisive]),
             cycles=cycles,
@@ -296,6 +296,9 @@ class EdgeData(ABC):
         outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
 
         def growth(start: int, end: int) -> Growth | None:
+            if self.steps.dundurs:
+                # Between unlike bodies shear moves K_I and pressure K_T, which it leaves out.
+                return None
             return zone_growth(along, friction, start, end, outer)
 
         def lengths(start: int, end: int) -> Array:

@@ -115,9 +115,6 @@ class PlaneEdges(EdgeData):
 
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
         """Slip zones by the slip of the nodes, as of `EdgeData.border`."""
-        if self.contact.surface.dundurs:
-            # Between unlike bodies shear moves K_I and pressure K_T: what the growth leaves out.
-            growth = _no_growth
         solution, front = self.steps.solution, PLANE_FRONTS[number]
         least = np.where(outer, solution.least_slip, np.inf)
         degree = 2 if self.factors.exact else solution.degree
@@ -140,7 +137,7 @@ class PlaneEdges(EdgeData):
         return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
 
     def completed(self, number: int, station: Station) -> Station:
-        """The station with the friction work on its side of the contact, and its coupling."""
+        """The station with the friction work on its side of the contact."""
         arc, centre = self.contact.surface.arc, last_known(self.centre, self.cycle)
         here = nearest_front(arc, centre) == number
         work, spread = (float(each[here].sum()) for each in self.works)
@@ -148,13 +145,7 @@ class PlaneEdges(EdgeData):
             work, spread = 0.0, work + spread
         if any(zone.hides for zone in station.evaluated_zones):
             spread = math.inf  # that of nodes that do not slip is no measure of it
-        # All of beta, whichever way the bodies slide.
-        coupling = abs(self.steps.dundurs) * float(self.frictions[number].max())
-        return replace(station, dissipation=work, dissipation_spread=spread, coupling=coupling)
-
-
-def _no_growth(start: int, end: int) -> None:
-    return None
+        return replace(station, dissipation=work, dissipation_spread=spread)
 
 
 def with_stiff_elements(
