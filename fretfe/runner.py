@@ -129,7 +129,10 @@ class Runner:
             result = self._run(case, output, observer, resume, mesh)
             result = replace(result, faults=self._all_faults(result, collected))
         if case.edges.ends and output is not None and result.failure is None:
-            self._solve_worst_end(output, observer)
+            try:
+                self._solve_worst_end(output, observer)
+            except FretfeError as error:  # the numbers of the run stay
+                result = replace(result, notes=(*result.notes, f"No numbers at an end: {error}"))
         return result
 
     def _solve_worst_end(self, directory: Path, observer: Observer) -> None:

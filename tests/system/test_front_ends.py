@@ -81,8 +81,8 @@ def test_the_part_is_fine_towards_its_end(whole: Result, tmp_path: Path) -> None
     part, solid, twice = fine.geometry.part, fine.geometry.solid, coarse.geometry.solid
     assert part is not None and solid is not None and twice is not None
     np.testing.assert_allclose(part.centre, ends[0].point, atol=1e-5)
-    # Three times the half-width of Hertz's contact, .57.
-    assert part.radius == found.radius == pytest.approx(1.7, abs=0.1)
+    # Twice the half-width of Hertz's contact, .57.
+    assert part.radius == found.radius == pytest.approx(1.14, abs=0.07)
     assert (fine.geometry.parameters["size"], coarse.geometry.parameters["size"]) == (0.05, 0.1)
     for each, times in ((solid, 1), (twice, 2)):
         equal = LENGTH / each.layers
