@@ -13,7 +13,7 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated
 
@@ -124,7 +124,7 @@ class EndAnswer:
         name: of the end.
         point: (3,) its place.
         distance: (n,) of the stations of the finer sub-model from the end, increasing.
-        k_range, k_range_spread: (n,) |ΔK| there, with its error bar; NaN where it means nothing.
+        k_range, k_range_spread: (n,) |ΔK| there, with its error bar, as far as it means something.
         coarser: (n,) by the coarser sub-model.
         exponent, exponent_spread: m of the power distance^-m by which it grows, as of `EndNumber`.
         length: over which numbers next to the end are taken.
@@ -209,37 +209,28 @@ def end_answer(
     inner = fine.case.geometry.part.radius / 2
     finer, coarser = (_level(each, end, inner) for each in (fine, coarse))
     length = _two_zones(end) if length is None else length
-    at = finer.distance
-    other = coarser.at(at)[0]
     exponent, exponent_spread = _power(
         *((each.distance, each.k_range) for each in (finer, coarser)), length=length
     )
-    ratio = finer.sizes(at) / coarser.sizes(at)
-    bars = ratio / np.maximum(1 - ratio, 0.1) * np.abs(finer.k_range - other)
-    spread = np.hypot(finer.k_range_spread, bars)
-    near = (at <= inner) & np.isfinite(spread)
-    if not near.any():
-        raise ModelError(
-            f"{fine.directory or fine.case.source}: expected stations with a |ΔK| nearer than "
-            f"{inner:.3g} to {name}, found none"
-        )
+    found = finer.with_bars(coarser)
+    near = found.distance <= inner
     return EndAnswer(
         name=name,
         point=end.point,
-        distance=at[near],
-        k_range=finer.k_range[near],
-        k_range_spread=spread[near],
-        coarser=other[near],
+        distance=found.distance[near],
+        k_range=found.k_range[near],
+        k_range_spread=found.k_range_spread[near],
+        coarser=coarser.at(found.distance[near])[0],
         exponent=exponent,
         exponent_spread=exponent_spread,
         length=length,
         numbers=tuple(number_at(each, finer.rows, coarser.rows, length) for each in NUMBERS),
-        meetings=tuple(_meetings(end, replace(finer, k_range_spread=spread))),
+        meetings=tuple(_meetings(end, found)),
     )
 
 
 @dataclass(frozen=True)
-class _Level:
+class Level:
     """Numbers near an end by one sub-model.
 
     Attributes:
@@ -254,6 +245,8 @@ class _Level:
 
     def at(self, distance: Array) -> tuple[Array, Array]:
         """|ΔK| and its bar at distances (n,); NaN where no stations are on both sides."""
+        if not len(self.distance):
+            return np.full(len(distance), math.nan), np.full(len(distance), math.nan)
         k_range, spread = (
             np.interp(distance, self.distance, each, math.nan, math.nan)
             for each in (self.k_range, self.k_range_spread)
@@ -264,15 +257,25 @@ class _Level:
         """(n,) lengths of the elements along the front."""
         return np.interp(distance, self.rows.distance, np.gradient(self.rows.distance))
 
+    def with_bars(self, coarser: Level) -> Level:
+        """The stations that have |ΔK| in a coarser level too, with the difference in their bars."""
+        ratio = self.sizes(self.distance) / coarser.sizes(self.distance)
+        difference = np.abs(self.k_range - coarser.at(self.distance)[0])
+        spread = np.hypot(self.k_range_spread, ratio / np.maximum(1 - ratio, 0.1) * difference)
+        known = np.isfinite(spread)
+        return Level(self.rows, *(
+            each[known] for each in (self.distance, self.k_range, spread)
+        ))  # fmt: skip
 
-def _level(result: Result, end: FrontEnd, inner: float) -> _Level:
+
+def _level(result: Result, end: FrontEnd, inner: float) -> Level:
     own = end_near(result, end.point)
     if own is None:
         raise ModelError(
             f"{result.directory or result.case.source}: expected a front that ends at {end.name}, "
             "found none: take a larger --radius"
         )
-    return _Level(rows_at(result, own, inner), *known_ranges(own))
+    return Level(rows_at(result, own, inner), *known_ranges(own))
 
 
 def _two_zones(end: FrontEnd) -> float:
@@ -383,7 +386,7 @@ def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
     return exponent, math.hypot(error, exponent - other)
 
 
-def _meetings(end: FrontEnd, part: _Level) -> Iterator[Meeting]:
+def _meetings(end: FrontEnd, part: Level) -> Iterator[Meeting]:
     """Stations of the run that are near its end, and at which both are known."""
     for distance, station in known_stations(end):
         (k_range,), (spread,) = part.at(np.array([distance]))

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.quality.ends import Meeting, Rows, number_at
+from fretfe.quality.ends import Level, Meeting, Rows, number_at
 
 
 def rows(distance: Array, values: Array) -> Rows:
@@ -63,3 +63,28 @@ def test_few_rows_have_no_power() -> None:
 @pytest.mark.parametrize(("part", "agrees"), [(104.0, True), (107.0, False)])
 def test_a_meeting_counts_both_bars(part: float, agrees: bool) -> None:
     assert Meeting("main.1.3", 0.5, 100.0, 3.0, part, 4.0).agrees is agrees
+
+
+def known(size: float, places: Array, error: float) -> Level:
+    """|ΔK| = 100 distance^-.15 at some places, wrong by an error in proportion to the elements."""
+    k_range = 100.0 * places**-0.15 * (1 + error * size)
+    return Level(level(size, 0.0), places, k_range, np.full(len(places), 0.5))
+
+
+@pytest.mark.parametrize("error", [0.0, 0.6, -0.6])
+def test_bars_of_ranges_hold_errors_of_first_order(error: float) -> None:
+    fine = known(0.05, np.linspace(0.2, 1.0, 9), error)
+    coarse = known(0.1, np.linspace(0.25, 1.2, 20), error)
+    found = fine.with_bars(coarse)
+    # The coarser one has no station as near to the end as .2.
+    np.testing.assert_allclose(found.distance, fine.distance[1:])
+    wrong = np.abs(found.k_range - 100.0 * found.distance**-0.15)
+    assert (wrong <= found.k_range_spread).all()
+    # Between its stations the coarser |ΔK| is that of a chord.
+    np.testing.assert_allclose(found.k_range_spread, np.hypot(0.5, wrong), atol=0.3)
+
+
+def test_without_stations_there_are_no_ranges() -> None:
+    none = Level(level(0.1, 0.0), *np.zeros((3, 0)))
+    assert not len(known(0.05, np.linspace(0.2, 1.0, 9), 0.0).with_bars(none).distance)
+    assert not len(none.with_bars(none).distance)

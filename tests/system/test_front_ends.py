@@ -16,7 +16,6 @@ from fretfe.errors import CaseError
 from fretfe.exchange.submodel import told, write_submodel
 from fretfe.mesh.load import made_mesh
 from fretfe.quality.ends import read_answers
-from fretfe.report.page.html import draw_plots
 from fretfe.report.page.tables import front_texts
 from fretfe.results.front_ends import free_ends, worst_end
 from fretfe.results.model import Result
@@ -112,7 +111,7 @@ def test_what_is_no_end_of_layers(whole: Result, tmp_path: Path) -> None:
 
 
 @pytest.mark.slow
-def test_images_of_an_end_agree_and_meet_the_run(
+def test_images_of_an_end_agree(
     runner: Runner, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     """Sheared to and fro, the two fronts of the pad are images of one another."""
@@ -129,11 +128,5 @@ def test_images_of_an_end_agree_and_meet_the_run(
     for first, second in zip(one.numbers, other.numbers, strict=True):
         assert first.mean == pytest.approx(second.mean, abs=first.mean_spread), first
         assert 0 < first.mean_spread < 0.25 * first.mean or first.name == "ratio", first
-    at = np.interp(one.distance, other.distance, other.k_range)
-    assert len(at) >= 3 and (np.abs(one.k_range - at) <= one.k_range_spread).all()
-    for answer in (one, other):
-        assert answer.meetings and all(each.agrees for each in answer.meetings)
-    plots = next(each for each in draw_plots(whole).sections if each.anchor == "ends").plots
-    assert [plot.title for plot in plots] == sorted(
-        f"Free end {each.name}" for each in (one, other)
-    )
+    # All of the part is within a half-width of its ends.
+    assert not len(one.distance) and "|ΔK| means nothing in the part" in text

@@ -433,11 +433,13 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
     return make_plot(f"{key}-front", title, _half_spaces(front.half_space_ratios), TRIPLE, draw)
 
 
-def end_plot(run: Result, answer: EndAnswer, key: str) -> Plot:
-    """|ΔK| along the front near its end, by the run and by both sub-models."""
+def end_plot(run: Result, answer: EndAnswer, key: str) -> Plot | None:
+    """|ΔK| near the end of a front by the run and by both sub-models; None without any."""
     end = find_end(run, answer.name)
     assert end is not None
     table = known_ranges(end)
+    if not len(answer.distance):
+        return None
     table = table[:, table[0] <= 1.5 * answer.distance[-1]]
 
     def draw(figure: Figure) -> None:

@@ -14,16 +14,20 @@ from fretfe.results.model import Result
 def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
     """Numbers at a free end, in words."""
     length = run.unit("length")
-    power = _power(answer.exponent, answer.exponent_spread)
+    place = f"Free end {answer.name} at {place_text(answer.point)} {length}, by sub-models:"
     chosen = range(0, len(answer.distance), max(len(answer.distance) // 3, 1))
     known = ", ".join(
         f"{with_error(answer.k_range[n], answer.k_range_spread[n])} at {answer.distance[n]:.3g}"
         for n in chosen
     )
-    yield (
-        f"Free end {answer.name} at {place_text(answer.point)} {length}, by sub-models: |ΔK| is "
-        f"{known} {length} from it [{run.unit('k_t')}], and grows towards it {power}."
-    )
+    if known:
+        power = _power(answer.exponent, answer.exponent_spread)
+        yield (
+            f"{place} |ΔK| is {known} {length} from it [{run.unit('k_t')}], and grows towards it "
+            f"{power}."
+        )
+    else:
+        yield f"{place} |ΔK| means nothing in the part, which is within a local length of its ends."
     texts = "; ".join(_number_text(run, each) for each in answer.numbers)
     yield f"Nodes on the last {answer.length:g} {length} of the front: {texts}."
     if answer.meetings:
