@@ -91,6 +91,7 @@ def fine_at(
     edges = data.setdefault("edges", {})
     edges |= {"local": False, "stations": min(edges.get("stations", 20), 20)}
     edges.pop("ends", None)
+    data.get("output", {}).pop("tractions", None)
     if size[0]:
         _set(data, size[0], size[1] * times)
     solid, radius = data["geometry"]["solid"], data["geometry"]["part"]["radius"]
