@@ -292,7 +292,7 @@ def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
     Args:
         result: of these bodies.
         end: of one of its fronts.
-        inner: distance along the front and into the contact from it.
+        inner: distance along the front from it; into the contact 1.4 times as far.
 
     Raises:
         OutputError: if not all tractions of the cycle are kept.
@@ -302,8 +302,9 @@ def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
     away = history.surface.points - end.point
     height = np.abs(away[:, 2] / end.into[2])
     across = away - height[:, None] * end.into
-    # Beyond `inner` too, for the length of front that belongs to the last row.
-    near = (height <= 2 * inner) & (np.linalg.norm(across, axis=1) <= inner)
+    # Beyond `inner` too, for the length of front that belongs to the last row; beyond the middle
+    # of contacts whose pressure is largest there.
+    near = (height <= 2 * inner) & (np.linalg.norm(across, axis=1) <= 1.4 * inner)
     digits = 6 - math.floor(math.log10(inner))
     distance, row = np.unique(np.round(height[near], digits), return_inverse=True)
     first, last = result.solution.loads.evaluated

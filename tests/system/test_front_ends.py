@@ -126,7 +126,10 @@ def test_images_of_an_end_agree(
     assert f"Free end {image}" in out and f"Free end {image}" in text
     other = next(each for each in read_answers(whole) if each.name == image)
     for first, second in zip(one.numbers, other.numbers, strict=True):
-        assert first.mean == pytest.approx(second.mean, abs=first.mean_spread), first
-        assert 0 < first.mean_spread < 0.25 * first.mean or first.name == "ratio", first
+        # Meshes are not images of one another.
+        assert first.mean == pytest.approx(second.mean, rel=2e-3), first
+        assert first.mean_spread > 0
+    assert one.numbers[0].name == "work"
+    assert one.numbers[0].mean_spread < 0.1 * one.numbers[0].mean
     # All of the part is within a half-width of its ends.
     assert not len(one.distance) and "|ΔK| means nothing in the part" in text
