@@ -301,9 +301,7 @@ class Runner:
         length: float | None = None,
         observer: Observer = SILENT,
     ) -> EndAnswer:
-        """Solve two parts around a free end of a run, each in a folder beside its case.
-
-        What they find is written beside the cases, too.
+        """Solve two parts around a free end beside their cases, and write the answer there.
 
         Args:
             directory: of the run.
@@ -312,8 +310,7 @@ class Runner:
             observer: follows the runs.
 
         Raises:
-            CaseError: if the part is around something else.
-            FretfeError: if one of them cannot be solved.
+            FretfeError: if the part is around something else, or one cannot be solved.
         """
         from fretfe.quality.ends import end_answer, write_answer
         from fretfe.results.reader import load_result
