@@ -290,7 +290,7 @@ def _station(
     state = decisive_state(problem.normal_force, history.k_t, cycle, ends)
     history = replace(history, decisive=state)
     worst = worst_cycle(cycles, cycle, problem.friction, history)
-    zones = slip_zones(cycle, problem.friction, history, borders, path, worst=worst)
+    zones = slip_zones(cycle, problem.friction, history, borders, path=path, worst=worst)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))
     k_range = cycle_range(history.k_t, cycle)
     station = Station(
