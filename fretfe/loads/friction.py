@@ -10,14 +10,14 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, complaint
+from fretfe.case.base import AXES
 from fretfe.case.friction import InFile, OverArc, OverTime
 from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
 
-# Column of the coefficients in a file, and those of places.
+# Column of the coefficients in a file.
 COEFFICIENT = "friction"
-PLACES = ("x", "y", "z")
 # A surface or a history may reach this fraction of a table beyond its ends.
 BEYOND = 1e-6
 
@@ -103,10 +103,10 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
 def _in_file(case: Case, given: InFile) -> dict[str, Array]:
     """Coefficients, and what they are over."""
     path = case.resolve(given.csv)
-    over = ("time", "arc", *PLACES)
+    over = ("time", "arc", *AXES)
     table = read_table(path, (COEFFICIENT,), over, given.separator)
     found = tuple(each for each in over if each in table.columns)
-    if found not in (("time",), ("arc",), PLACES[:2], PLACES):
+    if found not in (("time",), ("arc",), AXES[:2], AXES):
         expected = "a column time, a column arc, or columns x and y (and z)"
         raise CaseError(f"{path}: expected {expected}, found {' and '.join(found) or 'none'}")
     values = table.columns[COEFFICIENT]

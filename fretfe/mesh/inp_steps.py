@@ -15,14 +15,11 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
-from typing import Any, NamedTuple
-
-import numpy as np
 
 from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck, real
 from fretfe.mesh.inp_cards import Card
-from fretfe.mesh.inp_groups import SAME
+from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable
 from fretfe.mesh.inp_references import Reference, references
 
 AXES = ("x", "y", "z")
@@ -42,7 +39,6 @@ LOAD_CARDS = ("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD")
 
 # Whether a boundary has facets; raises MeshError with a reason if it has none.
 Find = Callable[[str], object]
-TomlTable = dict[str, Any]
 
 
 @dataclass
@@ -62,87 +58,6 @@ class Proposal:
     loads: dict[str, TomlTable] = field(default_factory=dict)
     lacks: list[str] = field(default_factory=list)
     read: set[str] = field(default_factory=set)
-
-
-class _Amplitude(NamedTuple):
-    """Factors (values, if absolute) over the time of the step, or of all steps (total)."""
-
-    times: list[float]
-    values: list[float]
-    total: bool
-    absolute: bool
-
-    def at(self, time: float) -> float:
-        return float(np.interp(time, self.times, self.values))
-
-
-class _Step(NamedTuple):
-    """A static step: when it begins and ends, its first increment, whether loads jump."""
-
-    number: int
-    begin: float
-    end: float
-    increment: float
-    jumps: bool
-
-
-@dataclass
-class _Channel:
-    """A scalar load through the steps.
-
-    Attributes:
-        word: keyword that it is from.
-        place: file and line.
-        table: of the case, but for its history.
-        since: time from which on it acts.
-        points: times, values, and load steps up to there.
-    """
-
-    word: str
-    place: str
-    table: TomlTable
-    since: float
-    points: list[tuple[float, float, int]] = field(default_factory=list)
-
-    @property
-    def value(self) -> float:
-        """Value at the end of what was read."""
-        return self.points[-1][1] if self.points else 0.0
-
-    def go(self, step: _Step, value: float, amplitude: _Amplitude | None) -> None:
-        """Take the points of a step at whose end, or by whose amplitude, it has a value."""
-        if not self.points or self.points[-1][0] < step.begin:
-            self.points.append((step.begin, self.value, 1))
-        points = [(step.end, value)]
-        if amplitude is not None:
-            zero = 0.0 if amplitude.total else step.begin
-            scale = 1.0 if amplitude.absolute else value
-            first = step.begin
-            begin = scale * amplitude.at(step.begin - zero)
-            if not math.isclose(begin, self.value, rel_tol=SAME, abs_tol=SAME * abs(scale)):
-                first = min(step.begin + step.increment, step.end)
-            inside = {zero + time for time in amplitude.times} | {first}
-            times = sorted(
-                time for time in inside if step.begin < time and first <= time < step.end
-            )
-            points = [(time, scale * amplitude.at(time - zero)) for time in [*times, step.end]]
-        elif step.jumps:
-            points.insert(0, (min(step.begin + step.increment, step.end), value))
-        for time, level in points:
-            before = self.points[-1][0]
-            if time > before:
-                part = (time - before) / step.increment
-                self.points.append((time, level, max(1, math.ceil(part * (1 - 1e-9)))))
-
-    def history(self) -> list[TomlTable]:
-        """Its segments."""
-        return [
-            {"hold": True, "until": _short(time), "steps": steps}
-            if value == before
-            else {"ramp": _short(value), "until": _short(time), "steps": steps}
-            for (_, before, _), (time, value, steps) in pairwise([(0.0, 0.0, 1), *self.points])
-            if time > 0.0
-        ]
 
 
 def propose(deck: Deck, dimension: int, find: Find) -> Proposal:
@@ -174,8 +89,8 @@ class _Steps:
         self._deck, self._find, self._axes = deck, find, AXES[:dimension]
         self._found = Proposal()
         self._friction: dict[str, float | None] = {}
-        self._amplitudes: dict[str, _Amplitude] = {}
-        self._channels: dict[tuple[str, ...], _Channel] = {}
+        self._amplitudes: dict[str, Amplitude] = {}
+        self._channels: dict[tuple[str, ...], Channel] = {}
         self._end, self._count = 0.0, 0
         self._references = references(deck)
         self._led = {each.turning: (each, 3) for each in self._references}
@@ -196,7 +111,7 @@ class _Steps:
                 self._friction[interaction] = None
                 self._try(card, partial(self._coefficient, interaction))
             elif card.word in LOAD_CARDS:
-                self._try(card, partial(self._load, _Step(0, 0.0, 0.0, 1.0, jumps=False)))
+                self._try(card, partial(self._load, Step(0, 0.0, 0.0, 1.0, jumps=False)))
         for card in cards:
             if card.word == "CONTACTPAIR":
                 self._try(card, self._contact)
@@ -220,7 +135,7 @@ class _Steps:
         if "DIRECT" not in static.parameters:
             increment = max(increment, period / INCREMENTS)
         jumps = first.choice("AMPLITUDE", "RAMP", "STEP") == "STEP"
-        step = _Step(self._count, self._end, self._end + period, increment, jumps)
+        step = Step(self._count, self._end, self._end + period, increment, jumps)
         self._end = step.end
         self._found.read |= {first.keyword, static.keyword, cards[-1].keyword}
         before = set(self._channels)
@@ -321,7 +236,7 @@ class _Steps:
         times, values = numbers[::2], numbers[1::2]
         if len(times) != len(values) or not times or any(b < a for a, b in pairwise(times)):
             raise ValueError("expected pairs of increasing times and values")
-        self._amplitudes[card.required("NAME")] = _Amplitude(
+        self._amplitudes[card.required("NAME")] = Amplitude(
             times, values,
             card.choice("TIME", "STEPTIME", "TOTALTIME") == "TOTALTIME",
             card.choice("VALUE", "RELATIVE", "ABSOLUTE") == "ABSOLUTE",
@@ -351,7 +266,7 @@ class _Steps:
                 name += "_"
             self._found.contacts[name] = table
 
-    def _load(self, step: _Step, card: Card) -> list[tuple[str, ...]]:
+    def _load(self, step: Step, card: Card) -> list[tuple[str, ...]]:
         """Take the values of a card for a step; keys of their channels."""
         amplitude = None
         if name := card.name("AMPLITUDE"):
@@ -366,7 +281,7 @@ class _Steps:
             try:
                 for table, value in read(card, row):
                     key = (card.word, *(str(table[k]) for k in table if k != "type"))
-                    new = _Channel(card.word, card.place, table, step.begin)
+                    new = Channel(card.word, card.place, table, step.begin)
                     channel = self._channels.setdefault(key, new)
                     if step.number or value:
                         channel.go(step, value, amplitude)
@@ -503,11 +418,6 @@ class _Steps:
             raise ValueError(f"expected a name of its own, found {label}, a surface too")
         self._find(label)
         return label
-
-
-def _short(value: float) -> float:
-    """A number without what round-off adds."""
-    return float(f"{value:.12g}")
 
 
 def _name(label: str) -> str:

@@ -77,7 +77,7 @@ PICTURE_DPI = 240
 FILE_DPI = 150
 # Points: headings, and texts that come second.
 HEADING = 11.0
-SMALL = 7.8
+SMALL_TEXT = 7.8
 
 STYLE: Any = {
     "font.size": 8.5,
@@ -91,7 +91,7 @@ STYLE: Any = {
     "xtick.major.width": 0.7,
     "ytick.major.width": 0.7,
     "legend.frameon": False,
-    "legend.fontsize": SMALL,
+    "legend.fontsize": SMALL_TEXT,
     "legend.columnspacing": 1.2,
     "legend.handlelength": 2.0,
     "lines.linewidth": 1.4,

@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.case.base import AXES
 from fretfe.errors import CaseError
-from fretfe.loads.friction import BEYOND, PLACES, Coefficients
+from fretfe.loads.friction import BEYOND, Coefficients
 from fretfe.surface.contact_surface import ContactSurface
 
 
@@ -100,8 +101,8 @@ def _along(table: Coefficients, surface: ContactSurface) -> Array:
     assert table.points is not None
     if table.points.shape[1] != dimension:
         raise CaseError(
-            f"expected the columns {', '.join(PLACES[:dimension])}, found "
-            f"{', '.join(PLACES[: table.points.shape[1]])}"
+            f"expected the columns {', '.join(AXES[:dimension])}, found "
+            f"{', '.join(AXES[: table.points.shape[1]])}"
         )
     return table.values[_nearest(table.points, surface.points)]
 

@@ -11,15 +11,13 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
-from fretfe.case import Case
 from fretfe.mesh.elements import CORNERS, FACET_SHAPES, directed_facets, exterior_facets
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.checks import FEWEST_ELEMENTS, place
 
 
-def unnamed_contacts(mesh: Mesh, case: Case) -> Iterator[str]:
-    """Where two bodies touch, or nearly, and no contact or tie of the case holds them apart."""
-    named = {name for each in case.contacts.values() for name in (each.surface1, each.surface2)}
+def unnamed_contacts(mesh: Mesh, named: Set[str]) -> Iterator[str]:
+    """Places at which two bodies touch, or nearly, outside the named surfaces of contacts."""
     outsides = {name: _outside(body, named) for name, body in mesh.bodies.items()}
     for (name1, first), (name2, second) in combinations(outsides.items(), 2):
         if not (len(first.sizes) and len(second.sizes)):

@@ -24,16 +24,8 @@ from fretfe.case import parse_case
 from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues, edge_changes
 from fretfe.materials.moduli import contact_modulus
-from fretfe.report.page.html import (
-    HEADERS,
-    PLANE_TERMS,
-    SOLID_TERMS,
-    TERMS,
-    Glossary,
-    Plots,
-    render,
-    write_report,
-)
+from fretfe.report.page.glossary import HEADERS, PLANE_TERMS, SOLID_TERMS, TERMS, Glossary
+from fretfe.report.page.html import Plots, render, write_report
 from fretfe.report.page.tables import station_table
 from fretfe.results.reader import read_result
 from fretfe.results.writer import REPORT, write_results

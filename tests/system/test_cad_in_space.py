@@ -84,8 +84,6 @@ def test_elements_have_the_size_asked_for_on_the_contact(folder: Path) -> None:
 
 
 def test_bodies_that_touch_without_a_contact_are_listed(folder: Path) -> None:
-    """The cylinder stands on the block; with a contact of other
-    surfaces that goes unheeded."""
     tables = pad(
         geometry={"file": str(folder / "apart.step"), **CAD},
         supports={"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
@@ -93,9 +91,9 @@ def test_bodies_that_touch_without_a_contact_are_listed(folder: Path) -> None:
     )
     case = parse_case(tables)
     mesh = grouped_mesh(case)
-    assert list(unnamed_contacts(mesh, case)) == []
-    tables["contacts"]["main"] |= {"surface1": "upper_side", "surface2": "lower_sides"}
-    (found,) = unnamed_contacts(mesh, parse_case(tables))
+    main = case.contacts["main"]
+    assert list(unnamed_contacts(mesh, {main.surface1, main.surface2})) == []
+    (found,) = unnamed_contacts(mesh, set())
     assert found.startswith("bodies 'upper' and 'lower' touch around (")
 
 

@@ -8,7 +8,6 @@ altogether, has a front where the curve through the fitted places runs.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
@@ -29,17 +28,11 @@ from fretfe.evaluate.space.sectors import (
     Sectors,
     outlines,
 )
-from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory, Solution
 
 # Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
 # go round a node that happens to be open.
 FEWEST_CROSSED = {True: 12, False: 4}
-# Elements over the width of a round contact and of a long one: fits of two orders reach six
-# inward, and no farther than to .9 of a radius of curvature or 1.5 times the half-width.
-WANTED_ACROSS = {True: 14, False: 8}
-# Part of its surface that a contact leaves open at least, or its border is that of the surface.
-LEFT = 0.05
 # Passes: each measures distances from the curve through the points that the one before found.
 PASSES = 3
 # Length of a piece of the curve, in half-widths of the sectors.
@@ -241,41 +234,6 @@ class FrontFinder:
         return np.asarray(s[last] / 2)
 
 
-def why_no_fronts(contact: ContactHistory, state: int) -> Withheld:
-    """Reason why a contact has no fronts in a state."""
-    assert contact.surface.facets is not None
-    *_, area = _contact_areas(contact, state)
-    if not area.any():
-        return Withheld(Lack.PARTED, 0, 1)
-    lines = outlines(contact.surface.facets, area)
-    if not lines or contact.surface.weights[~area].sum() < LEFT * contact.surface.weights.sum():
-        return Withheld(Lack.NO_BORDER)
-    line = lines[0]
-    width, size = _width(contact, area, closed=line.closed)
-    elements, wanted = round(width / size), WANTED_ACROSS[line.closed]
-    if elements < wanted:
-        return Withheld(Lack.NARROW, elements, wanted)
-    ends = line.middles(contact.surface.points)[[0, -1]]
-    if not line.closed and np.linalg.norm(ends[1] - ends[0]) < width:
-        return Withheld(Lack.CUT, round(float(np.linalg.norm(ends[1] - ends[0])) / size), elements)
-    if len(line.inside) < FEWEST_CROSSED[line.closed]:
-        return Withheld(Lack.SHORT_BORDER, len(line.inside), FEWEST_CROSSED[line.closed])
-    return Withheld(Lack.NO_CURVE, elements)
-
-
-def _width(contact: ContactHistory, area: Bools, *, closed: bool) -> tuple[float, float]:
-    """Width of the ellipse, or strip, with the second moments of an area (N,); elements across."""
-    assert contact.surface.facets is not None
-    points, weights = contact.surface.points[area], contact.surface.weights[area]
-    offset = points - weights @ points / weights.sum()
-    # From the normal to the longest axis.
-    moments, axes = np.linalg.eigh((weights * offset.T) @ offset / weights.sum())
-    inside = contact.surface.facets[area[contact.surface.facets].any(axis=1)]
-    extents = np.ptp(contact.surface.points[inside] @ axes[:, 1], axis=1)
-    width = math.sqrt((16 if closed else 12) * max(float(moments[1]), 0.0))
-    return width, float(np.median(extents))
-
-
 def _mirror(point: Array, normal: Array) -> Mirror | None:
     """The plane with a normal, as of `ContactHistory.continued`; None if it is none."""
     return Mirror(point, normal) if np.isfinite(normal).all() and normal.any() else None
@@ -343,14 +301,14 @@ def follow_fronts(
 
     def fronts(state: int) -> tuple[SpaceFront, ...]:
         if state not in found:
-            areas = _contact_areas(contact, state)
+            areas = contact_areas(contact, state)
             pressure = contact.mean_traction[state][:, 0]
             either = (finder.fronts(area, pressure) for area in areas)
             found[state] = next((each for each in either if each), ())
         return found[state]
 
     def borders(state: int) -> tuple[Border, ...]:
-        either = (finder.borders(area) for area in _contact_areas(contact, state))
+        either = (finder.borders(area) for area in contact_areas(contact, state))
         return next((each for each in either if each), ())
 
     states = np.unique(source)
@@ -371,7 +329,7 @@ def follow_fronts(
     return tuple(tracks)
 
 
-def _contact_areas(contact: ContactHistory, state: int) -> Iterator[Bools]:
+def contact_areas(contact: ContactHistory, state: int) -> Iterator[Bools]:
     """(N,) nodes under pressure, and then those too around which only such nodes carry something.
 
     Where the tractions have more nodes than the bodies can follow, nodal pressures flicker: open

@@ -33,7 +33,7 @@ from fretfe.report.theme import (
     ORANGE,
     PALE,
     SINGLE,
-    SMALL,
+    SMALL_TEXT,
     WIDTH,
     Plot,
     envelope,
@@ -101,7 +101,7 @@ def _draw_loads(figure: Figure, case: Case, history: History) -> None:
         mark = ".-" if len(shown) == len(values) else "-"
         panel.plot(history.times[shown], values[shown], mark, ms=4, color=BLUE)
         # Beside the axis, names longer than a panel is high would lie on one another.
-        panel.set_title(name, loc="left", fontsize=SMALL)
+        panel.set_title(name, loc="left", fontsize=SMALL_TEXT)
         panel.set_ylabel(f"[{case.loads[name].unit(case.units)}]")
         plain_axis(panel, "y")
         if not values.any():

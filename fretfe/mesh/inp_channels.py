@@ -1,0 +1,102 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Loads of an Abaqus or CalculiX input file through its steps, as histories of a case."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from fretfe.mesh.inp_groups import SAME
+
+TomlTable = dict[str, Any]
+
+
+class Amplitude(NamedTuple):
+    """Factors (values, if absolute) over the time of the step, or of all steps (total)."""
+
+    times: list[float]
+    values: list[float]
+    total: bool
+    absolute: bool
+
+    def at(self, time: float) -> float:
+        """Factor at a time."""
+        return float(np.interp(time, self.times, self.values))
+
+
+class Step(NamedTuple):
+    """A static step: when it begins and ends, its first increment, whether loads jump."""
+
+    number: int
+    begin: float
+    end: float
+    increment: float
+    jumps: bool
+
+
+@dataclass
+class Channel:
+    """A scalar load through the steps.
+
+    Attributes:
+        word: keyword that it is from.
+        place: file and line.
+        table: of the case, but for its history.
+        since: time from which on it acts.
+        points: times, values, and load steps up to there.
+    """
+
+    word: str
+    place: str
+    table: TomlTable
+    since: float
+    points: list[tuple[float, float, int]] = field(default_factory=list)
+
+    @property
+    def value(self) -> float:
+        """Value at the end of what was read."""
+        return self.points[-1][1] if self.points else 0.0
+
+    def go(self, step: Step, value: float, amplitude: Amplitude | None) -> None:
+        """Take the points of a step at whose end, or by whose amplitude, it has a value."""
+        if not self.points or self.points[-1][0] < step.begin:
+            self.points.append((step.begin, self.value, 1))
+        points = [(step.end, value)]
+        if amplitude is not None:
+            zero = 0.0 if amplitude.total else step.begin
+            scale = 1.0 if amplitude.absolute else value
+            first = step.begin
+            begin = scale * amplitude.at(step.begin - zero)
+            if not math.isclose(begin, self.value, rel_tol=SAME, abs_tol=SAME * abs(scale)):
+                first = min(step.begin + step.increment, step.end)
+            inside = {zero + time for time in amplitude.times} | {first}
+            times = sorted(
+                time for time in inside if step.begin < time and first <= time < step.end
+            )
+            points = [(time, scale * amplitude.at(time - zero)) for time in [*times, step.end]]
+        elif step.jumps:
+            points.insert(0, (min(step.begin + step.increment, step.end), value))
+        for time, level in points:
+            before = self.points[-1][0]
+            if time > before:
+                part = (time - before) / step.increment
+                self.points.append((time, level, max(1, math.ceil(part * (1 - 1e-9)))))
+
+    def history(self) -> list[TomlTable]:
+        """Its segments."""
+        return [
+            {"hold": True, "until": _short(time), "steps": steps}
+            if value == before
+            else {"ramp": _short(value), "until": _short(time), "steps": steps}
+            for (_, before, _), (time, value, steps) in pairwise([(0.0, 0.0, 1), *self.points])
+            if time > 0.0
+        ]
+
+
+def _short(value: float) -> float:
+    """A number without what round-off adds."""
+    return float(f"{value:.12g}")
