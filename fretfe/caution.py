@@ -278,8 +278,8 @@ class Kind(StrEnum):
         "friction varies",
         "friction varies within slip zones",
         "the coefficient changes by more than 2 % over a slip zone or within the evaluated cycle",
-        "slip zones are predicted with the coefficient at the edge in the last step of the cycle; "
-        "those of the tractions hold",
+        "slip zones are predicted with the coefficient at the edge as they end, and found from the "
+        "slip; where friction falls points slip though no load changes, and d is unknown",
     )
     # Of an edge as the target of tests, by `fretfe match`.
     TARGET_UNSTEADY = (

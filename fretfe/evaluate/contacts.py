@@ -578,7 +578,9 @@ class Station(StationHistory):
         """Predicted length of a slip zone; NaN where K_N or the range in it is not told."""
         k_n = reported(float(self.k_n[zone.end]), float(self.k_n_spread[zone.end]))
         ranged = math.isfinite(self.reported_range) or not self.k_range > 0
-        return zone.prediction if math.isfinite(k_n) and ranged else math.nan
+        if not (math.isfinite(k_n) and ranged):
+            return math.nan
+        return 0.0 if self.undriven else zone.prediction
 
 
 def without_formulas(station: Station) -> Station:

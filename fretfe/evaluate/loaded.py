@@ -61,6 +61,19 @@ def decisive_state(force: Array, along: Array, cycle: Indices, ends: Indices) ->
     return turn if 2 * force[turn] >= force[heaviest] else heaviest
 
 
+def moving_state(solution: Solution) -> int:
+    """The state around which loads are changed to see how edges of plane contacts move.
+
+    It is the last one of the evaluated cycle, or of all; where the contacts carry less than half of
+    the largest load there, the one with that.
+    """
+    first, last = solution.cycle or (0, len(solution.times) - 1)
+    force = np.sum([normal_force(each) for each in solution.contacts], axis=0)
+    ends = solution.ends
+    heaviest = most_loaded(force, ends[(ends >= first) & (ends <= last)])
+    return last if 2 * force[last] >= force[heaviest] else heaviest
+
+
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
     """The solution with the part of its cycle in which a plane contact has edges as its cycle.
 

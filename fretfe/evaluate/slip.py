@@ -186,7 +186,10 @@ def slip_zones(
     if not pressed:
         halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
     halves = [(start, end) for start, end in halves if np.isfinite(station.position[end])]
-    for start, turn in halves:
+    following = [start for start, _ in halves[1:]] + [last]
+    for (start, turn), until in zip(halves, following, strict=False):
+        if _falls(friction, start, max(turn, until)):  # what slips then shows in no factor
+            continue
         lengths = np.zeros(0) if pressed else find_lengths(start, turn)
         end = _longest(start, turn, lengths, station)
         border = find_border(start, end)
@@ -226,6 +229,12 @@ def slip_zones(
         foretold = float(lengths[end - start]) if len(lengths) else math.nan
         zones.append(_doubted(zone, border.spread, foretold))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
+
+
+def _falls(friction: Array, start: int, end: int) -> bool:
+    """True if a coefficient (T,) falls from one state to another."""
+    inside = friction[max(start, 1) : end + 1]
+    return bool((np.diff(inside) < -UNDRIVEN * inside.max(initial=0.0)).any())
 
 
 def _longest(start: int, end: int, lengths: Array, station: StationHistory) -> int:

@@ -57,12 +57,14 @@ class MovedEdge:
         reason: why it is not known, in words, of solids; empty where it is.
         stiffening: in the plane (d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a), by
             K_N = (1/pi) sqrt(2/a) dP/da.
+        state: around which the loads were changed.
     """
 
     k_n: float = math.nan
     spread: float = math.nan
     reason: str = ""
     stiffening: float = math.nan
+    state: int = -1
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -261,7 +263,7 @@ class EdgeData(ABC):
             oscillation=oscillation(beta),
             # Pressure is coupled with shear across the front alone.
             coupling=abs(beta * float(direction[0])) * float(friction.max()),
-            friction=float(friction[history.decisive]),
+            friction=_acting(friction, history.decisive),
             cycles=cycles,
             slip_zones=self._zones(number, evaluated, cycles, direction),
         )
@@ -279,7 +281,7 @@ class EdgeData(ABC):
             position=fit.position,
             position_spread=fit.spread_position,
             k_n=fit.k_n,
-            k_n_spread=with_moved(fit.k_n, fit.spread_k_n, moved.k_n),
+            k_n_spread=with_moved(fit.k_n, fit.spread_k_n, moved),
             k_t=factors[:, Factor.K_T],
             k_s=k_s,
             k_i=factors[:, Factor.K_I],
@@ -382,18 +384,24 @@ def range_spread(
     )
 
 
-def with_moved(k_n: Array, spread: Array, moved: float) -> Array:
+def _acting(friction: Array, state: int) -> float:
+    """Coefficient in a state, after pressing without friction that of the last state with it."""
+    acting = friction[friction > 0]
+    return float(friction[state] or (acting[-1] if len(acting) else 0.0))
+
+
+def with_moved(k_n: Array, spread: Array, moved: MovedEdge) -> Array:
     """(T,) error bars of K_N that hold K_N by the movement of the edge, where it is known.
 
-    Where the fits of the last state disagree, so may all of them; K_N by the movement of the edge
+    Where the fits of that state disagree, so may all of them; K_N by the movement of the edge
     does not depend on them.
 
     Args:
         k_n: (T,) by fits.
         spread: (T,) their error bars.
-        moved: K_N of the last state by the movement; NaN if unknown.
+        moved: K_N of a state by the movement.
     """
-    wider = spread.copy()
-    if spread[-1] > LARGEST_SPREAD * k_n[-1] and math.isfinite(moved):
-        wider[-1] = max(spread[-1], abs(k_n[-1] - moved))
+    wider, at = spread.copy(), moved.state
+    if spread[at] > LARGEST_SPREAD * k_n[at] and math.isfinite(moved.k_n):
+        wider[at] = max(spread[at], abs(k_n[at] - moved.k_n))
     return wider

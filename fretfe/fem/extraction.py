@@ -19,7 +19,7 @@ from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.evaluate.evaluate import Tracks
-from fretfe.evaluate.loaded import evaluated_states, with_own_cycle
+from fretfe.evaluate.loaded import evaluated_states, moving_state, with_own_cycle
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
@@ -95,7 +95,9 @@ class _Common:
         self.model, self.recorder, self.solution = model, recorder, solution
         self.fields = UnitFields(recorder)
         self.pairs = {pair.name: pair for pair in model.reduction.pairs}
-        self.nearby_loads = neighbour_states(march, recorder.last, recorder.last_loads)
+        self.moving = moving_state(solution) if model.dimension == 2 else recorder.count - 1
+        state = recorder.state(self.moving), recorder.loads[self.moving]
+        self.nearby_loads = neighbour_states(march, *state)
         self.difference = self.fields.difference(*self.nearby_loads) if self.nearby_loads else None
 
 
@@ -149,7 +151,9 @@ class _PlaneDraft(_Draft["_Areas"]):
     """A probe for each edge in all chosen states, the difference of the neighbours last."""
 
     def _plan(self, contact: ContactHistory) -> _Areas | None:
-        return _choose_areas(self._common.solution, whole_contact(contact).contact)
+        return _choose_areas(
+            self._common.solution, whole_contact(contact).contact, self._common.moving
+        )
 
     def _probes(self, contact: ContactHistory, plan: _Areas) -> list[Probe]:
         image, pair = whole_contact(contact).image, self._common.pairs[contact.pair]
@@ -200,13 +204,15 @@ class _PlaneDraft(_Draft["_Areas"]):
         nodes = self._common.recorder.nodes_of(contact.pair)
         tractions = np.array([state.traction[nodes, 0] for state in self._common.nearby_loads])
         if contact.node_range is not None:
-            tractions = own_part(tractions, contact.node_range[-1])
-            if np.any(tractions[:, _borders(contact, -1)] > 0):  # merges with its neighbour
+            state = self._common.moving
+            tractions = own_part(tractions, contact.node_range[state])
+            if np.any(tractions[:, _borders(contact, state)] > 0):  # merges with its neighbour
                 return None
         normal = np.stack([values[-1][:, Factor.K_I, 0] for values in stations], axis=1)
         if oscillates(self._common.model.case, contact):
             normal = np.full_like(normal, np.nan)
-        return NearbyLoads(tractions / np.sqrt(contact.surface.weights), normal)
+        pressure = tractions / np.sqrt(contact.surface.weights)
+        return NearbyLoads(pressure, normal, self._common.moving)
 
 
 @dataclass(frozen=True)
@@ -216,7 +222,7 @@ class _Areas:
     Attributes:
         numbers: (S,) the areas.
         positions: (S, stations) there.
-        last: (stations,) in the last state.
+        last: (stations,) in the state around which loads are changed.
         reaches: (R,) radii.
     """
 
@@ -226,7 +232,7 @@ class _Areas:
     reaches: Array
 
 
-def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
+def _choose_areas(solution: Solution, contact: ContactHistory, moving: int) -> _Areas | None:
     """Smallest, middle and largest contact area of the cycle; None if edges cannot be fitted."""
     states = evaluated_states(with_own_cycle(solution, contact), contact)
     sizes = contact.nodes_pressed_in(states)
@@ -237,7 +243,7 @@ def _choose_areas(solution: Solution, contact: ContactHistory) -> _Areas | None:
     # Areas that differ by a node or two have the same factors but for that difference.
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
     chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
-    looked = np.append(states[firsts[chosen]], states[-1])
+    looked = np.append(states[firsts[chosen]], moving)
     pressure = contact.traction[looked, :, 0]
     sections = plane_sections(contact.surface.arc, pressure)
     edges = np.stack([fit_edge(section).position for section in sections], axis=1)

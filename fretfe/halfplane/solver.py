@@ -22,6 +22,7 @@ from fretfe.contact.solve import Progress, solve_history
 from fretfe.contact.state import StepTable
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.increments import UnitFactors
+from fretfe.evaluate.loaded import moving_state
 from fretfe.evaluate.plane.full_stick_fit import GALERKIN_OVERHANG
 from fretfe.evaluate.plane.unit_factors import full_stick_units, half_plane_units
 from fretfe.evaluate.slip import cycle_states
@@ -178,26 +179,31 @@ def solve_half_planes(
     except ConvergenceError as error:
         failure = error
     solution = recorder.solution(problem.history, _balance(problem, recorder, hats))
-    neighbours = _neighbours(problem, march, recorder, hats)
+    neighbours = _neighbours(problem, march, recorder, hats, solution)
     contact = replace(solution.contacts[0], nearby_loads=neighbours)
     return HalfPlaneOutcome(problem, replace(solution, contacts=(contact,)), failure)
 
 
 def _neighbours(
-    problem: HalfPlaneProblem, march: March, recorder: Recorder, hats: HatFunctions
+    problem: HalfPlaneProblem,
+    march: March,
+    recorder: Recorder,
+    hats: HatFunctions,
+    solution: Solution,
 ) -> NearbyLoads | None:
-    """Two load levels next to the last state, with K_I between them in closed form."""
-    states = neighbour_states(march, recorder.last, recorder.last_loads)
+    """Two load levels next to a state, with K_I between them in closed form."""
+    state = moving_state(solution)
+    states = neighbour_states(march, recorder.state(state), recorder.loads[state])
     if states is None:
         return None
-    contact, last = contact_edges(problem), recorder.steps_done
-    positions = np.array([[contact.left[last]], [contact.right[last]]])
-    loads = np.array([problem.normal_force[last], problem.moment[last], 0.0, 0.0])
+    contact, step = contact_edges(problem), solution.step_of(state)
+    positions = np.array([[contact.left[step]], [contact.right[step]]])
+    loads = np.array([problem.normal_force[step], problem.moment[step], 0.0, 0.0])
     k_i = half_plane_units(positions)[0, :, Factor.K_I] @ (2 * FRACTION * loads)
     if abs(problem.dundurs) > SIMILAR:  # K_I depends on the shear, and on a length
         k_i = np.full_like(k_i, np.nan)
     pressure = np.array([state.traction[:, 0] for state in states]) / np.sqrt(hats.weights)
-    return NearbyLoads(pressure, k_i[None])
+    return NearbyLoads(pressure, k_i[None], state)
 
 
 def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:

@@ -108,15 +108,17 @@ class StationIntegrals:
 
 @dataclass(frozen=True)
 class NearbyLoads:
-    """A lower and a higher load than that of the last state.
+    """A lower and a higher load than that of a state.
 
     Attributes:
         pressure: (2, N) at these loads; of solids means around the nodes.
         k_i: (R, stations) K_I of the difference between them, determined in R ways.
+        state: its number.
     """
 
     pressure: Array
     k_i: Array
+    state: int = -1
 
 
 @dataclass(frozen=True)

@@ -28,7 +28,7 @@ from fretfe.evaluate.plane.section import (
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import FindBorder, cycle_states
 from fretfe.evaluate.stations import EdgeData, MovedEdge
-from fretfe.history.solution import ContactHistory
+from fretfe.history.solution import ContactHistory, NearbyLoads
 
 # Bodies are too stiff for waves of any length along the contact whose elements grow by g of the
 # distance from it, however fine they are at the edges: K_N is this times g^2 high with elements of
@@ -95,8 +95,11 @@ class PlaneEdges(EdgeData):
         """K_N by the movement of an edge."""
         fit, front = self.fits[number], PLANE_FRONTS[number]
         exponents = np.broadcast_to(fit.exponent, fit.k_n.shape)
-        half_width = abs(float((self.centre - fit.position)[-1]))
-        return moved_edge(self.contact, front, half_width, float(exponents[-1]))
+        nearby = self.contact.nearby_loads
+        if nearby is None:
+            return MovedEdge()
+        half_width = abs(float((self.centre - fit.position)[nearby.state]))
+        return moved_edge(self.contact, nearby, front, half_width, float(exponents[nearby.state]))
 
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements, and by states left out."""
@@ -178,22 +181,27 @@ def with_stiff_elements(
 
 
 def moved_edge(
-    contact: ContactHistory, front: PlaneFront, half_width: float, exponent: float = 0.5
+    contact: ContactHistory,
+    neighbours: NearbyLoads,
+    front: PlaneFront,
+    half_width: float,
+    exponent: float = 0.5,
 ) -> MovedEdge:
-    """Movement of an edge between the two neighbours of the last state, whose half-width is given.
+    """Movement of an edge between the two neighbours of a state, whose half-width is given.
 
     NaN if the edge does not move, or reaches the end of the surface. Between unlike bodies, whose
     edges shear moves as well, K_N is NaN, and the growth is that of the pressure behind the edge,
     which falls like s^exponent.
     """
     unknown = MovedEdge()
-    neighbours = contact.nearby_loads
-    if neighbours is None or np.any(neighbours.pressure[:, [0, -1]] > 0):
+    if np.any(neighbours.pressure[:, [0, -1]] > 0):
         return unknown
     if np.count_nonzero(neighbours.pressure > 0, axis=1).min() < FEWEST_NODES:
         return unknown
     if contact.surface.dundurs:
-        return MovedEdge(stiffening=_growth_behind(contact, front, half_width, exponent))
+        return MovedEdge(
+            stiffening=_growth_behind(contact, neighbours.state, front, half_width, exponent)
+        )
     patches = [main_patch(contact.surface.arc, pressure) for pressure in neighbours.pressure]
     fit = fit_edge(front.section(contact.surface.arc, neighbours.pressure, patches), solved=True)
     outward = -front.inward * float(fit.position[1] - fit.position[0])
@@ -209,18 +217,18 @@ def moved_edge(
     # If the edge moved less than it seems by as much, K_N is larger by more than that.
     between = shift / (1 - shift) if shift < 1 else np.inf
     spread = abs(k_n) * between + float(np.ptp(neighbours.k_i[:, front.number])) / moved
-    return MovedEdge(k_n, spread, stiffening=growth + 0.5 / half_width)
+    return MovedEdge(k_n, spread, stiffening=growth + 0.5 / half_width, state=neighbours.state)
 
 
 def _growth_behind(
-    contact: ContactHistory, front: PlaneFront, half_width: float, exponent: float
+    contact: ContactHistory, state: int, front: PlaneFront, half_width: float, exponent: float
 ) -> float:
-    """(d2P/da2)/(dP/da) between unlike bodies, from the pressure of the last state behind an edge.
+    """(d2P/da2)/(dP/da) between unlike bodies, from the pressure of a state behind an edge.
 
     With dP/da growing at the relative rate g a symmetric
     contact of half-planes has p^2 = K_N^2 s (1 + c s), c = 5/(6a) - 4g/3 (from (A0)).
     """
-    x, pressure = contact.surface.arc, contact.mean_traction[-1, :, 0]
+    x, pressure = contact.surface.arc, contact.mean_traction[state, :, 0]
     section = plane_sections(x, pressure[None])[front.number]
     s, p = section.s[0, : section.nodes[0]], section.values[0, : section.nodes[0]]
     risen = s[int(np.argmax(p >= RISEN * p.max()))]

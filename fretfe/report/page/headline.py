@@ -173,7 +173,7 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
         ranged = quantity is K_N or (run.loads.cycle is not None and station.friction != 0)
         if math.isnan(value) and ranged:
             yield lost or f"{symbol} is unknown"
-        elif bar > LARGEST_SPREAD * value:
+        elif value > 0 and bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
     zone, judgement = station.longest_zone, longest_verdict(station)
     if judgement.verdict is Verdict.NOT_RESOLVED:

@@ -154,10 +154,13 @@ def contact_table(run: Result) -> Table:
 
 def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
     normal = contact.normal_force[cycle]
+    # The image of a half model's edge has no state that decides.
+    known = (each for each in contact.stations if math.isfinite(each.decisive_k_n[0]))
+    state = next(known, contact.stations[0]).decisive
     return (
         _range(normal / scale),
         _range(_without_round_off(contact.shear_force[cycle], normal) / scale),
-        number(contact.half_width[contact.stations[0].decisive]),
+        number(contact.half_width[state]),
         _steady(contact),
         number(contact.cycle_change),
     )
