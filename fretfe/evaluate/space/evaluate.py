@@ -16,11 +16,11 @@ from fretfe.evaluate.increments import ContactSteps, UnitFactors
 from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.space.contact_area import why_no_fronts
 from fretfe.evaluate.space.edges import FrontEdges, moved_stations
 from fretfe.evaluate.space.front_scatter import with_scatter
 from fretfe.evaluate.space.fronts import FrontTrack
 from fretfe.evaluate.space.half_spaces import half_space_ratios
-from fretfe.evaluate.space.no_fronts import why_no_fronts
 from fretfe.evaluate.space.patches import follow_patches
 from fretfe.evaluate.space.slip import SlipBetween
 from fretfe.evaluate.withheld import TOLD

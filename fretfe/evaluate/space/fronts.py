@@ -8,7 +8,7 @@ altogether, has a front where the curve through the fitted places runs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.space.contact_area import FEWEST_CROSSED, contact_areas
 from fretfe.evaluate.space.front_fits import fit_states
 from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
 from fretfe.evaluate.space.sectors import (
@@ -30,9 +31,6 @@ from fretfe.evaluate.space.sectors import (
 )
 from fretfe.history.solution import ContactHistory, Solution
 
-# Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
-# go round a node that happens to be open.
-FEWEST_CROSSED = {True: 12, False: 4}
 # Passes: each measures distances from the curve through the points that the one before found.
 PASSES = 3
 # Length of a piece of the curve, in half-widths of the sectors.
@@ -327,24 +325,6 @@ def follow_fronts(
         known = FrontFit(*(each[rows] for each in vars(fit).values()))
         tracks.append(FrontTrack(front, known, reference))
     return tuple(tracks)
-
-
-def contact_areas(contact: ContactHistory, state: int) -> Iterator[Bools]:
-    """(N,) nodes under pressure, and then those too around which only such nodes carry something.
-
-    Where the tractions have more nodes than the bodies can follow, nodal pressures flicker: open
-    nodes stand between others that carry twice the pressure, and no border is that of the contact.
-    Means around nodes do not; beyond a border, which they reach by a node, they are taken back.
-    """
-    assert contact.surface.facets is not None
-    pressed = np.asarray(contact.traction[state][:, 0] > 0)
-    yield pressed
-    corners = contact.surface.facets
-    carried = np.asarray(contact.mean_traction[state][:, 0] > 0)
-    filled = carried.copy()
-    filled[corners[~carried[corners].all(axis=1)].ravel()] = False
-    if (filled & ~pressed).any():
-        yield pressed | filled
 
 
 def _follow(

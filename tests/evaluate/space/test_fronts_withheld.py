@@ -11,8 +11,8 @@ import pytest
 from evaluate.space.test_evaluate import STATIONS, Field, grid, hertz, solved
 
 from fretfe._typing import Array
+from fretfe.evaluate.space.contact_area import why_no_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
-from fretfe.evaluate.space.no_fronts import why_no_fronts
 from fretfe.evaluate.withheld import Lack
 
 
