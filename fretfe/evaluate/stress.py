@@ -361,8 +361,8 @@ def local_parameters(contact: ContactHistory, states: tuple[int, int]) -> LocalP
     if last > first:
         kept = slice(first, last + 1)
         touched = np.asarray(contact.status[kept]) != OPEN
-        # The state before the first step belongs to the slip if the node is in contact after it.
-        touched[0] = touched[1]
+        # The state before a step counts if the node is in contact after it, as for the work.
+        touched[:-1] |= touched[1:]
         extent = _extent(np.asarray(contact.slip[kept]), touched)
     return LocalParameters(extent, path, work, pressed, shear * extent)
 

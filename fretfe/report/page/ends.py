@@ -21,11 +21,11 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
         for n in chosen
     )
     if known:
-        power = _power(answer.exponent, answer.exponent_spread)
-        yield (
-            f"{place} |ΔK| is {known} {length} from it [{run.unit('k_t')}], and grows towards it "
-            f"{power}."
-        )
+        grows = ""
+        if answer.exponent > answer.exponent_spread:
+            power = _power(answer.exponent, answer.exponent_spread)
+            grows = f", and grows towards it {power}"
+        yield f"{place} |ΔK| is {known} {length} from it [{run.unit('k_t')}]{grows}."
     else:
         yield f"{place} |ΔK| means nothing in the part, which is within a local length of its ends."
     texts = "; ".join(_number_text(run, each) for each in answer.numbers)
@@ -54,6 +54,4 @@ def _number_text(run: Result, found: EndNumber) -> str:
 
 def _power(exponent: float, spread: float) -> str:
     """Growth towards an end, in words."""
-    if not exponent > spread:
-        return "like no power"
     return f"like distance^-m, m = {with_error(exponent, spread)}"

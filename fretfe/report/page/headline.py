@@ -176,7 +176,7 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
         elif value > 0 and bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
     zone, judgement = station.longest_zone, longest_verdict(station)
-    if judgement.verdict is Verdict.NOT_RESOLVED:
+    if judgement.verdict is Verdict.NOT_RESOLVED or (zone is not None and not zone.resolved):
         yield "the mesh does not resolve the slip zone"
     elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not lost:
         yield f"the slip zone is compared with nothing: {judgement.reason}"
