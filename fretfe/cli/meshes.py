@@ -66,8 +66,7 @@ def _propose(deck: Path) -> None:
         print("# This case cannot be solved yet:")
         print("#", str(error).replace("\n", "\n# "))
     else:
-        print("# This case is valid, but for what is not taken over or not used, as said above:")
-        print("# write it to a file beside the deck.")
+        print("# This case is valid: write it to a file beside the deck.")
 
 
 def _print(checked: Checked) -> None:
