@@ -27,6 +27,7 @@ PICTURE_TESTS = [
     for name in ("pictures", "pictures_solids", "pictures_stress", "page_solids")
 ]
 PICTURE_TESTS += [TESTS / "results" / "test_writer_solids.py", TESTS / "project" / "test_start.py"]
+PICTURE_TESTS += [TESTS / "bodies" / "test_free_ends.py"]
 PLACES = {"fem": FEM_TESTS, "pictures": PICTURE_TESTS}
 # Each takes a process a minute or so: they begin first, so that at the end none is waited for.
 LONGEST = [

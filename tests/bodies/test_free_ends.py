@@ -15,6 +15,8 @@ from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.make import write_mesh
 from fretfe.surface.checks import load_mesh
 
+pytest.importorskip("gmsh")
+
 PLANE = {"template": "cylinder", "parameters": {"size": 0.2, "zone": 1.5, "growth": 0.5}}
 LENGTH = 4.0
 STATIONS = 10

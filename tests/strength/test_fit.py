@@ -289,7 +289,13 @@ def test_stations_of_solids(tmp_path: Path) -> None:
     fronts = evaluate_fronts(result.solution, contact, follow_fronts(result.solution, contact, 12))
     (front,) = fronts
     stations = tuple(
-        replace(each, k_range=30.0 + each.number, k_range_spread=0.1, end=each.number == 11)
+        replace(
+            each,
+            k_range=30.0 + each.number,
+            k_range_spread=0.1,
+            end=each.number >= 10,
+            to_end=0.0 if each.number == 11 else 5.0,
+        )
         for each in front.stations
     )
     (area,) = result.contacts
@@ -300,6 +306,7 @@ def test_stations_of_solids(tmp_path: Path) -> None:
     assert [each.edge.station for each in found.margins] == list(range(11))
     assert [each.edge.k_t_range for each in found.margins] == [30.0 + n for n in range(11)]
     assert all("the cycle is not steady" in each.edge.remarks for each in found.margins)
+    assert "a free end is 5 away, which the tests have not" in found.margins[10].edge.remarks
     margins = [each.margin * each.edge.k_t_range for each in found.margins]
     assert margins == pytest.approx([each.strength for each in found.margins])
 
