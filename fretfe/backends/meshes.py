@@ -250,8 +250,13 @@ class SolidPasses(Passes):
         self._places, self._before = FinePlaces(points, np.array(note["sizes"])), last.contacts
 
     def _make_mesh(self) -> Mesh:
-        size = partial(refine_near, self._places, LARGEST_GROWTH)
-        return load_mesh(finer_sweep(graded(self._case), FINER ** len(self._done)), size)
+        size, factor = partial(refine_near, self._places, LARGEST_GROWTH), FINER ** len(self._done)
+        with_ends = graded(self._case)
+        mesh = load_mesh(finer_sweep(with_ends, factor), size)
+        if with_ends is self._case or self._unknowns(mesh) <= self._edges.unknowns:
+            return mesh
+        # Elements at free ends are as short as stations there need only if there is room.
+        return load_mesh(finer_sweep(self._case, factor), size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         values = solid_values(result.contacts, result.solution)

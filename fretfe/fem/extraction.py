@@ -243,7 +243,9 @@ def _choose_areas(solution: Solution, contact: ContactHistory, moving: int) -> _
     # Areas that differ by a node or two have the same factors but for that difference.
     count = AREAS if np.ptp(sizes) > SAME_AREA * sizes.max() else 1
     chosen = order[np.unique(np.linspace(0, len(order) - 1, count).round().astype(int))]
-    looked = np.append(states[firsts[chosen]], moving)
+    # Of several patches one may not be there in that state.
+    at = moving if contact.traction[moving, :, 0].max() > 0 else states[-1]
+    looked = np.append(states[firsts[chosen]], at)
     pressure = contact.traction[looked, :, 0]
     sections = plane_sections(contact.surface.arc, pressure)
     edges = np.stack([fit_edge(section).position for section in sections], axis=1)

@@ -34,7 +34,8 @@ def why_no_fronts(contact: ContactHistory, state: int) -> Withheld:
         return Withheld(Lack.NO_BORDER)
     line = lines[0]
     width, size = _width(contact, area, closed=line.closed)
-    elements, wanted = round(width / size), WANTED_ACROSS[line.closed]
+    elements = round(width / size) if size > 0 else 0
+    wanted = WANTED_ACROSS[line.closed]
     if elements < wanted:
         return Withheld(Lack.NARROW, elements, wanted)
     ends = line.middles(contact.surface.points)[[0, -1]]
