@@ -64,14 +64,13 @@ def decisive_state(force: Array, along: Array, cycle: Indices, ends: Indices) ->
 def moving_state(solution: Solution) -> int:
     """The state around which loads are changed to see how edges of plane contacts move.
 
-    It is the last one of the evaluated cycle, or of all; where the contacts carry less than half of
-    the largest load there, the one with that.
+    It is the last end of a step in the evaluated cycle, or in all, at which the contacts carry at
+    least half of the largest load there.
     """
     first, last = solution.cycle or (0, len(solution.times) - 1)
     force = np.sum([normal_force(each) for each in solution.contacts], axis=0)
-    ends = solution.ends
-    heaviest = most_loaded(force, ends[(ends >= first) & (ends <= last)])
-    return last if 2 * force[last] >= force[heaviest] else heaviest
+    inside = solution.ends[(solution.ends >= first) & (solution.ends <= last)]
+    return int(inside[2 * force[inside] >= force[inside].max()][-1])
 
 
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
