@@ -137,10 +137,7 @@ def propose(checked: Checked) -> Iterator[str]:
             f"{now / least.size:.2g} times as large; check the units of lengths and loads, too"
         )
     else:
-        surfaces = [
-            name for each in case.contacts.values() for name in (each.surface1, each.surface2)
-        ]
-        taken = finer_model(mesh, checked.cost, surfaces, (now, least.size))
+        taken = finer_model(mesh, checked.cost, case.surface_names, (now, least.size))
         yield f"set {key} = {least.size:g} {why}: {taken}"
 
 

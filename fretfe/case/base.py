@@ -59,6 +59,15 @@ Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 
 
+Separator = Annotated[
+    Literal[",", ";", "tab", "space"] | None,
+    Field(
+        description='What stands between the cells: ",", ";", "tab" or "space"; without it that is '
+        "told from the header row."
+    ),
+]
+
+
 class Table(BaseModel):
     """A table of the case file: read once, never changed, no unknown keys."""
 

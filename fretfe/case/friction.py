@@ -3,11 +3,19 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from fretfe.case.base import TAG, NotNegative, Number, Table, Text, require_increasing
+from fretfe.case.base import (
+    TAG,
+    NotNegative,
+    Number,
+    Separator,
+    Table,
+    Text,
+    require_increasing,
+)
 
 Coefficients = Annotated[
     tuple[NotNegative, ...],
@@ -51,24 +59,22 @@ class InFile(Table):
         description="Text file with the column friction and with time, with arc, or with x, y "
         "(and z), relative to the folder of the case file."
     )
-    separator: Literal[",", ";", "tab", "space"] | None = Field(
-        default=None,
-        description='What stands between the cells: ",", ";", "tab" or "space"; without it that is '
-        "told from the header row.",
-    )
+    separator: Separator = None
 
 
 VARYING: dict[str, type[Table]] = {"times": OverTime, "arc": OverArc, "csv": InFile}
 NUMBER = f"{TAG}number"
+# Tags of the tables: loads have tables with the same keys.
+TAGS = {f"{TAG}{key}:friction": table for key, table in VARYING.items()}
 
 
 def friction_kind(value: Any) -> str | None:
     """Tag of a raw coefficient: that of a number, or the key that only this kind of table has."""
     if isinstance(value, Table):
-        return next(f"{TAG}{key}:friction" for key, kind in VARYING.items() if type(value) is kind)
+        return next(tag for tag, kind in TAGS.items() if type(value) is kind)
     if not isinstance(value, dict):
         return NUMBER
-    return next((f"{TAG}{key}:friction" for key in VARYING if key in value), None)
+    return next((tag for tag, key in zip(TAGS, VARYING, strict=True) if key in value), None)
 
 
 Friction = Annotated[

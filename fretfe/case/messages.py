@@ -23,7 +23,7 @@ from fretfe.case.bodies import (
     Orientation,
     Orthotropic,
 )
-from fretfe.case.friction import VARYING
+from fretfe.case.friction import TAGS, VARYING
 from fretfe.case.loads import LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
 from fretfe.case.segments import KINDS
@@ -63,7 +63,7 @@ NESTED: dict[tuple[str | int, ...], type[Table]] = {
 LONGEST = 60
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
 TAGGED |= {ISOTROPIC: Body, CRYSTAL: Crystal}
-TAGGED |= {f"{TAG}{key}:friction": table for key, table in VARYING.items()}
+TAGGED |= TAGS
 OF_CRYSTALS: dict[str | int, type[Table]] = {
     "elastic": Elastic,
     "orthotropic": Orthotropic,

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import combinations
+from itertools import chain, combinations
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -424,6 +424,12 @@ class Case(Table):
         for name, body in self.bodies.items():
             if body.couples_across:
                 yield "bodies", name, "orientation"
+
+    @property
+    def surface_names(self) -> frozenset[str]:
+        """Names of the surfaces of all contacts."""
+        pairs = ((each.surface1, each.surface2) for each in self.contacts.values())
+        return frozenset(chain.from_iterable(pairs))
 
     def as_tables(self) -> dict[str, Any]:
         """The keys that are set, in plain types, as a case file has them."""

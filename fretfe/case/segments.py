@@ -14,6 +14,7 @@ from fretfe.case.base import (
     NotNegative,
     Number,
     Positive,
+    Separator,
     Table,
     Text,
     require_increasing,
@@ -92,11 +93,7 @@ class CsvPoints(Table):
         description="How often the rows of the file are run through; >= 1. More than once the "
         "first and the last value must be the same.",
     )
-    separator: Literal[",", ";", "tab", "space"] | None = Field(
-        default=None,
-        description='What stands between the cells: ",", ";", "tab" or "space"; without it that is '
-        "told from the header row.",
-    )
+    separator: Separator = None
 
 
 KINDS: dict[str, type[Table]] = {

@@ -188,11 +188,11 @@ def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     unit = case.units.length
     print_whole(_body_table(bodies))
     contacts = contact_quality(initial_gaps(mesh, case))
-    named = {name for each in case.contacts.values() for name in (each.surface1, each.surface2)}
     measure = "length" if mesh.dimension == 2 else "area"
     print_whole(_surface_table(contacts, unit, measure))
     print_whole(_gap_table(contacts, unit, measure))
-    for warning in (*mesh_warnings(bodies, contacts, unit), *unnamed_contacts(mesh, named)):
+    unnamed = unnamed_contacts(mesh, case.surface_names)
+    for warning in (*mesh_warnings(bodies, contacts, unit), *unnamed):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
     size = case.geometry.size if mesh.dimension == 3 and case.edges.tolerance is None else None
     other = other_sizes(contacts, size, unit) if size is not None else ()

@@ -168,7 +168,7 @@ def friction_limits(
 ) -> Iterator[ModelLimit]:
     """Change of the coefficient over the slip zones and the cycle, where it is not the same."""
     first, last = cycle or (0, len(history.status) - 1)
-    fields = history.friction.at(slice(first + 1, last + 1))
+    fields = history.friction.among(slice(first + 1, last + 1))
     fields = fields[fields.any(axis=1)]
     if not fields.size or fields.min() == fields.max():
         return

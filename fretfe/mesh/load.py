@@ -126,7 +126,7 @@ def _part_of(case: Case, mesh: Mesh, part: Part, *, again: bool = False) -> Mesh
     if len(part.centre) > mesh.dimension:
         text = f"expected {mesh.dimension} coordinates on this mesh, found {len(part.centre)}"
         raise CaseError(complaint(case.source, ("geometry", "part", "centre"), text))
-    surfaces = {name for c in case.contacts.values() for name in (c.surface1, c.surface2)}
+    surfaces = case.surface_names
     return part_of(mesh, part, surfaces, again=again)
 
 
@@ -166,7 +166,7 @@ def _free_ends(case: Case, mesh: Mesh) -> Ends:
 
 def _sides(case: Case, mesh: Mesh) -> dict[str, SectorSides]:
     """Sides of sectors about an axis along z, by the body that has them."""
-    surfaces = {name for c in case.contacts.values() for name in (c.surface1, c.surface2)}
+    surfaces = case.surface_names
     return {
         name: SectorSides(
             np.array(symmetry.centre[:2]),

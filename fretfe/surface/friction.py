@@ -48,6 +48,10 @@ class Friction:
         """(S, N) coefficients in states (S,) at nodes (N,) or at all; (N,) in one state."""
         return np.asarray(self.fields[self.number[states]][..., nodes])
 
+    def among(self, states: Any) -> Array:
+        """(U, N) different coefficients of all nodes in some states."""
+        return self.fields[np.unique(self.number[states])]
+
     def at_edge(self, nodes: Indices) -> Array:
         """(T,) coefficient at an edge that is at a node (T,) in each state."""
         return np.asarray(self.fields[self.number, nodes])

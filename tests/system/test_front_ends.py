@@ -56,11 +56,6 @@ def pad() -> dict[str, object]:
 
 
 @pytest.fixture(scope="module")
-def runner() -> Runner:
-    return Runner.find("fem")
-
-
-@pytest.fixture(scope="module")
 def whole(runner: Runner, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """With layers of a third of its length, half of what the contact is wide."""
     folder = tmp_path_factory.mktemp("whole") / "run"

@@ -177,11 +177,6 @@ def test_a_ball_in_the_plane() -> None:
 
 
 @pytest.fixture(scope="module")
-def runner() -> Runner:
-    return Runner.find("fem")
-
-
-@pytest.fixture(scope="module")
 def whole(runner: Runner, tmp_path_factory: pytest.TempPathFactory) -> Result:
     """A pad on a block with coarse elements, 23 over the contact, and its displacements."""
     folder = tmp_path_factory.mktemp("whole") / "run"
