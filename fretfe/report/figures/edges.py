@@ -449,7 +449,7 @@ def end_plot(run: Result, answer: EndAnswer, key: str) -> Plot | None:
         found = answer.distance, answer.k_range, answer.k_range_spread
         axes.errorbar(*found, fmt="o", color=VERMILLION, label="finer sub-model")
         axes.set_xlabel(f"distance from {answer.name} [{run.unit('length')}]")
-        axes.set_ylabel(run.axis_label("k_range"))
+        axes.set_ylabel(f"|ΔK| [{run.unit('k_t')}]")
         axes.set_xlim(left=0.0)
         axes.legend()
 
