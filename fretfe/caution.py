@@ -247,6 +247,19 @@ class Kind(StrEnum):
         "Dundurs' beta is larger than where the formulas were measured",
         "the slip-zone formulas were not measured so far; rely on tractions and slip zones",
     )
+    LAYER = (
+        "layer",
+        "a layer rounds off the tractions next to the edges",
+        "E* over the stiffness of a layer is more than a hundredth of the half-width",
+        "K_N, ΔK_T and predicted slip zones describe the field farther from the edge than that, or "
+        "are unknown; rely on tractions and slip zones",
+    )
+    GAP_MISSED = (
+        "gap missed",
+        "elements miss a gap",
+        "straight lines between the nodes miss a given gap by more than a twentieth of its range",
+        "make the elements there shorter than its waves, or smooth it",
+    )
     OSCILLATION = (
         "oscillation",
         "crystals whose tractions oscillate",

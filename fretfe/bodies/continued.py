@@ -17,11 +17,15 @@ from fretfe._typing import Array, Bools
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition, Pair, couple_contacts
 from fretfe.bodies.point_values import FLAT
 from fretfe.case import Case
+from fretfe.caution import Kind
+from fretfe.errors import CaseError
 from fretfe.loads.friction import read_coefficients
+from fretfe.loads.gap import GivenGap, read_gap
 from fretfe.materials.crystals import turned
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import require_covered
+from fretfe.surface.gap import LARGEST_MISS, gap_at_nodes, gap_missed
 from fretfe.surface.surface import Surface, boundary_surface
 
 # Cosine of the angle between the contact and a plane of symmetry from which the contact is smooth
@@ -121,7 +125,7 @@ def coupled_contacts(
     Arc lengths of a half model begin at its plane of symmetry.
 
     Raises:
-        CaseError: friction is not given all over a surface.
+        CaseError: friction, or a gap, is not given all over a surface.
     """
     pairs = []
     for pair in couple_contacts(case, surfaces, model.components):
@@ -130,8 +134,44 @@ def coupled_contacts(
         if (end := half_end(surface)) is not None:
             surface = replace(surface, arc=surface.arc - surface.arc[end])
         require_covered(read_coefficients(case, pair.name), surface)
-        pairs.append(replace(pair, coupling=replace(pair.coupling, surface=surface)))
+        coupling = replace(pair.coupling, surface=surface)
+        if (given := read_gap(case, pair.name)) is not None:
+            coupling = replace(coupling, gap=_with_gap(pair, surface, given, case.units.length))
+        pairs.append(replace(pair, coupling=coupling))
     return tuple(pairs)
+
+
+def _with_gap(pair: Pair, surface: ContactSurface, given: GivenGap, unit: str) -> Array:
+    """(N,) weighted gap of a pair with what a case adds.
+
+    Raises:
+        CaseError: that is not given all over the surface, or the surfaces overlap by it.
+    """
+    coupling, added = pair.coupling, gap_at_nodes(given, surface)
+    gap = coupling.gap + surface.weights * (coupling.averaging @ added)
+    before, after = (each / surface.weights for each in (coupling.gap, gap))
+    deepest = int(np.argmin(after))
+    # Interpolated values of surfaces that are meant to touch may overlap by some of their range.
+    if after[deepest] < min(before.min(), 0.0) - 0.01 * np.ptp(added):
+        place = ", ".join(f"{each:.6g}" for each in surface.points[deepest])
+        raise CaseError(
+            f"{given.key}: expected a gap that leaves the surfaces apart or touching before any "
+            f"load acts, found an overlap of {-after[deepest]:.4g} {unit} at ({place}): add that "
+            "to all values, or press them together by an 'interference'"
+        )
+    return np.asarray(gap)
+
+
+def missed_gaps(case: Case, pairs: Sequence[Pair]) -> Iterator[str]:
+    """Contacts whose elements miss the gap that a case gives, in words."""
+    for pair in pairs:
+        given = read_gap(case, pair.name)
+        missed = gap_missed(given, pair.coupling.surface) if given is not None else 0.0
+        if missed > LARGEST_MISS:
+            yield (
+                f"contact {pair.name}: elements miss the gap given by {missed:.0%} of its range: "
+                f"{Kind.GAP_MISSED.remedy}"
+            )
 
 
 def half_end(surface: ContactSurface) -> int | None:

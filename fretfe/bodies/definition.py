@@ -204,12 +204,16 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
 
 @dataclass(frozen=True)
 class Pair:
-    """One contact: its name, its bodies and its coupling."""
+    """One contact: its name, its bodies, its coupling and the compliances of its layer.
+
+    Those are the approach per pressure, and the displacement along the surface per shear.
+    """
 
     name: str
     body1: str
     body2: str
     coupling: Coupling
+    layer: tuple[float, float] = (0.0, 0.0)
 
 
 def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:
@@ -229,5 +233,6 @@ def couple_contacts(
     for name, contact in case.contacts.items():
         first, second = surfaces[contact.surface1], surfaces[contact.surface2]
         coupling = couple(name, first, second, contact.multipliers, case.model.degree, components)
-        pairs.append(Pair(name, first.body, second.body, coupling))
+        layer = (0.0, 0.0) if contact.layer is None else contact.layer.compliances
+        pairs.append(Pair(name, first.body, second.body, coupling, layer))
     return tuple(pairs)

@@ -53,7 +53,7 @@ def coarse_contacts(
         middles: (2,) of contacts in the plane of which the model has a half, by name.
     """
     for name, initial, normal, force in _pressed(case, mesh, history):
-        if force > 0:
+        if force > 0 and case.contacts[name].gap is None:
             yield from _warning(case, name, initial, normal, force, (middles or {}).get(name))
 
 
@@ -67,7 +67,8 @@ def pressure_doubts(
     if mesh.dimension == 3:
         return
     for name, initial, normal, force in _pressed(case, mesh, history):
-        if not force > 0:
+        own = case.contacts[name]
+        if not force > 0 or own.gap is not None or own.layer is not None:
             continue
         load = _load(case, initial, normal, force)
         along, gap, load = _of_the_whole(initial, normal, load, (middles or {}).get(name))
@@ -136,6 +137,8 @@ def proposed_sizes(
             yield Proposal(name, force, reason=reason)
         elif force <= 0:
             yield Proposal(name, force, reason="the loads do not press it together all the time")
+        elif case.contacts[name].gap is not None:
+            yield Proposal(name, force, reason="it has a gap of its own")
         else:
             yield _proposal(case, name, initial, normal, force, tolerance)
 

@@ -24,6 +24,7 @@ from fretfe.case.bodies import (
     Orthotropic,
 )
 from fretfe.case.friction import TAGS, VARYING
+from fretfe.case.layer import Layer
 from fretfe.case.loads import LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
 from fretfe.case.segments import KINDS
@@ -59,6 +60,7 @@ NESTED: dict[tuple[str | int, ...], type[Table]] = {
     ("geometry", "boundaries"): BoundarySelector,
     ("geometry", "solid"): Solid,
 }
+OF_CONTACTS: dict[str | int, type[Table]] = {"layer": Layer}
 # Characters of a text, or digits of a number, that are shown.
 LONGEST = 60
 TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
@@ -253,6 +255,8 @@ def _table(location: tuple[str | int, ...], top: type[Table]) -> type[Table]:
         return TAGGED[str(tags[-1])]
     if len(location) > 2 and location[:2] in NESTED:
         return NESTED[location[:2]]
+    if location[0] == "contacts" and location[2] in OF_CONTACTS and len(location) > 3:
+        return OF_CONTACTS[location[2]]
     if len(location) == 1:
         return top
     name = str(location[0])

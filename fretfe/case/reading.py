@@ -159,10 +159,11 @@ def named_files(case: Case) -> dict[Key, Path]:
     for name, contact in data["contacts"].items():
         if isinstance(contact["friction"], dict):
             tables.append((("contacts", name, "friction"), contact["friction"]))
+        tables.append((("contacts", name), contact))
     return {
         (*key, name): case.resolve(table[name]).absolute()
         for key, table in tables
-        for name in ("file", "facets", "csv")
+        for name in ("file", "facets", "csv", "gap")
         if name in table
     }
 

@@ -26,6 +26,7 @@ from fretfe.case.base import (
     file_problem,
 )
 from fretfe.case.friction import Friction, InFile, OverArc, OverTime
+from fretfe.case.layer import Layer
 
 Plane = Literal["strain", "stress"]
 
@@ -177,6 +178,15 @@ class Contact(Table):
         default=0.0,
         description="Time after which friction acts: steps up to and including this time are "
         "frictionless. Must be the time of a step; 0 means friction in every step.",
+    )
+    layer: Layer | None = Field(
+        default=None,
+        description="Layer that gives under tractions: its stiffness, or a thin coating.",
+    )
+    gap: Text | None = Field(
+        default=None,
+        description="Text file with the column gap and with arc, or with x, y (and z), relative to "
+        "the folder of the case file: what is added to the gap between the surfaces.",
     )
     multipliers: Literal["finer", "surface1", "surface2"] = Field(
         default="finer",

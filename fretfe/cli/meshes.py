@@ -70,6 +70,7 @@ def _propose(deck: Path) -> None:
 
 
 def _print(checked: Checked) -> None:
+    from fretfe.bodies.continued import missed_gaps
     from fretfe.bodies.expected import coarse_contacts, pressure_doubts
     from fretfe.bodies.free_ends import end_warning
     from fretfe.case import stiffness_doubts
@@ -88,7 +89,7 @@ def _print(checked: Checked) -> None:
         if not warnings and case.edges.tolerance is None:
             coarse = coarse_contacts(case, checked.mesh, history, checked.middles)
             warnings = (*coarse, *end_warning(case, checked.mesh))
-    for warning in warnings:
+    for warning in (*warnings, *missed_gaps(case, checked.pairs)):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
     for body in checked.definition.bodies:
         console.print(f"{body.name}: {body.material.text}")

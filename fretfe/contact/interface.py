@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import hashlib
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
@@ -98,6 +98,26 @@ class DenseCompliance:
         from fretfe._core import _kernels
 
         _kernels.combine_blocks(self._matrix, *rows, *columns, found)
+
+
+def add_layers(
+    matrix: Array, contacts: Mapping[str, slice], layers: Mapping[str, tuple[float, float]], d: int
+) -> None:
+    """Add to a compliance (N*d, N*d), in place, what layers between the surfaces give.
+
+    In weighted quantities both are the same: (√W u) / (√W τ) = u / τ.
+
+    Args:
+        matrix: of the bodies.
+        contacts: node range of each contact.
+        layers: approach per pressure, and displacement along the surface per shear, by contact.
+        d: components.
+    """
+    diagonal = np.einsum("ii->i", matrix).reshape(-1, d)
+    for name, nodes in contacts.items():
+        normal, tangential = layers[name]
+        diagonal[nodes, 0] += normal
+        diagonal[nodes, 1:] += tangential
 
 
 @dataclass(frozen=True, eq=False)

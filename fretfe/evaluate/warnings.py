@@ -77,8 +77,11 @@ def plane_warnings(
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
     if any(zone.gross for station in stations for zone in station.slip_zones[-2:]):
         yield from about(name, "", [(Kind.GROSS_SLIP, "the whole contact slides in the cycle")])
+    # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
+    unknown = Kind.K_N_LINEAR if solution.degree == 1 else Kind.K_N_UNCERTAIN
+    unknown = Kind.LAYER if contact.surface.layer else unknown
     for station in stations:
-        yield from about(name, station.front, _uncertain(station, linear=solution.degree == 1))
+        yield from about(name, station.front, _uncertain(station, unknown))
     for station in stations:
         ends = np.column_stack([contact.surface.arc[:-1], contact.surface.arc[1:]])
         s = station.inward * (ends - station.position[station.last])
@@ -367,11 +370,14 @@ def _surfaces(contact: ContactHistory) -> Iterator[Caution]:
         yield from about(contact.name, front.name, [reached])
 
 
-def _uncertain(station: Station, *, linear: bool) -> Iterator[Finding]:
-    """Numbers of a station that the mesh or the steps leave open."""
+def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
+    """Numbers of a station that the mesh or the steps leave open, or a layer.
+
+    Args:
+        station: of a plane contact.
+        kind: of the caution about K_N.
+    """
     if station.uncertain:
-        # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
-        kind = Kind.K_N_LINEAR if linear else Kind.K_N_UNCERTAIN
         k_n, spread = station.decisive_k_n
         if math.isnan(station.reported_k_n):
             yield kind, "K_N is unknown, as its error bar is more than half of it"

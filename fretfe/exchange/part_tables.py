@@ -137,9 +137,10 @@ class PartTables:
         for key in ("file", "facets"):
             if key in geometry:
                 geometry[key] = _relative(case.resolve(geometry[key]), output)
-        friction = data["contacts"][self._pair]["friction"]
-        if isinstance(friction, dict) and "csv" in friction:
-            friction["csv"] = _relative(case.resolve(friction["csv"]), output)
+        contact = data["contacts"][self._pair]
+        for table, key in ((contact["friction"], "csv"), (contact, "gap")):
+            if isinstance(table, dict) and key in table:
+                table[key] = _relative(case.resolve(table[key]), output)
         data["supports"] = {
             name: support.model_dump(mode="json", exclude_unset=True, exclude_none=True)
             for name, support in case.supports.items()

@@ -35,8 +35,10 @@ from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
+from fretfe.loads.gap import read_gap
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
+from fretfe.surface.gap import LARGEST_MISS, gap_missed
 from fretfe.surface.surface import Surface, curvatures, deviations, mean_curvature, normal_vectors
 
 # Forces or moments on a body that do not add up to zero, over the largest of them, from which a
@@ -156,6 +158,7 @@ def model_limits(
         limits += contact_limits(model.case.bodies, model.case.model.plane, history)
         limits += friction_limits(summaries[history.name], history, solution.cycle)
         limits += _dissimilar(model.case, history)
+        limits += _given_gap(model.case, history)
         limits += _at_other_temperatures(model, history, solution)
         extent = contact_extent(history)
         if extent.width > 0:
@@ -166,6 +169,20 @@ def model_limits(
             limits.append(_pairing(summary, history, motion, cycle))
             limits.append(_penetration(history, extent, depths[pair.name]))
     return tuple(limits)
+
+
+def _given_gap(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
+    """Part of a given gap that elements miss where there is contact."""
+    if (given := read_gap(case, history.pair)) is not None:
+        states = blocks(len(history.status), history.status[0].size)
+        pressed = np.any([(history.status[each] != OPEN).any(axis=0) for each in states], axis=0)
+        yield ModelLimit(
+            history.name,
+            Kind.GAP_MISSED,
+            "distance of the elements from the gap given, over its range",
+            gap_missed(given, history.surface, pressed),
+            LARGEST_MISS,
+        )
 
 
 def _balance_limit(solution: Solution, kind: str) -> ModelLimit:

@@ -12,7 +12,13 @@ from scipy.linalg.lapack import dpstrf
 from fretfe._typing import Array, Indices
 from fretfe.bodies.definition import Pair
 from fretfe.bodies.loads.spread import SpreadLoad
-from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, coordinate_range
+from fretfe.contact.interface import (
+    Coordinate,
+    DenseCompliance,
+    Interface,
+    add_layers,
+    coordinate_range,
+)
 from fretfe.fem.condensation import CondensedBody
 
 # Pivots of the compliance below this fraction of its largest entry are round-off.
@@ -116,6 +122,7 @@ def build_interface(
             system["loads"][rows.start * d : rows.stop * d : d, number] -= roots[rows]
     if sum(body.held for body in bodies) > 1:
         decouple_dependent(system)
+    add_layers(system["compliance"], nodes, {pair.name: pair.layer for pair in pairs}, d)
     gap = np.zeros((len(roots), d))
     gap[:, 0] = np.concatenate([pair.coupling.gap for pair in pairs]) / roots
     interface = Interface(

@@ -56,6 +56,7 @@ from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.idealise.bodies import coupled_beta
 from fretfe.loads import AddedCycles, History, most_added
+from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import Mesh, growth_inward
 from fretfe.results.model import Result
 
@@ -482,8 +483,15 @@ def _place(prepared: Prepared, pair: Pair) -> Place:
         coupling.surface,
         dundurs=coupled_beta(model.case, *names),
         growth=_growth(prepared.mesh, pair),
+        layer=max(pair.layer) * _modulus(model.case, pair),
     )
     return Place(*names, surface, coupling.averaging)
+
+
+def _modulus(case: Case, pair: Pair) -> float:
+    """E* of a contact."""
+    bodies = case.bodies[pair.body1], case.bodies[pair.body2]
+    return contact_modulus(*bodies, case.model.plane, pair.coupling.surface.mean_normal)
 
 
 def _growth(mesh: Mesh, pair: Pair) -> float:

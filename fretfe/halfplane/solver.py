@@ -15,7 +15,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.analytic.edges import sliding_exponent
 from fretfe.contact.full_stick import FRACTION, neighbour_states
-from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, Place
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, Place, add_layers
 from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import Progress, solve_history
@@ -45,6 +45,8 @@ SPRING = 1e-9
 MOMENT = "moment"
 COORDINATES = ("shear", "normal", MOMENT)
 TENSION = "tension"
+# A cylinder is wider by 1.2 E* c on either side on a thin layer, by less on a thicker one.
+WIDENED = 2.0
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,8 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     compliance[:, 0, :, 0] = scaled
     compliance[:, 1, :, 1] = problem.tangential * scaled
     compliance[:, 0, :, 1], compliance[:, 1, :, 0] = coupling, coupling.T
+    matrix, contacts = compliance.reshape(2 * size, -1), {problem.contact: slice(0, size)}
+    add_layers(matrix, contacts, {problem.contact: problem.layer}, 2)
     gap, tension = np.zeros((size, 2)), np.zeros((size, 2))
     gap[:, 0] = hats.integrate(problem.profile.gap) / roots
     # A bulk tension sigma0 stretches surface 2 by sigma0/(2 E*) more than surface 1.
@@ -97,7 +101,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     motion[:, 0, 2] = hats.integrate(lambda at: at) / roots
     return Interface(
         components=2,
-        compliance=DenseCompliance(compliance.reshape(2 * size, -1)),
+        compliance=DenseCompliance(matrix),
         gap=gap.ravel(),
         motion=motion.reshape(2 * size, 3),
         stiffness=np.diag([SPRING * problem.profile.e_star / problem.tangential, 0.0, 0.0]),
@@ -105,7 +109,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
         coordinate_loads=np.zeros((3, 1)),
         roots=roots,
         coordinates=tuple(_coordinate(label, problem) for label in COORDINATES),
-        contacts={problem.contact: slice(0, size)},
+        contacts=contacts,
     )
 
 
@@ -125,6 +129,32 @@ def edge_shift(problem: HalfPlaneProblem) -> float:
     return float(np.sqrt((1 - exponent) / exponent) - 1)
 
 
+def layer_reach(problem: HalfPlaneProblem) -> float:
+    """Length by which a layer widens a contact at either edge, or more.
+
+    That of a thin layer is of the size of E* c, with c its approach per pressure. If a thick one
+    alone gives under the gap g, it carries P = (2/c) ∫ x g'(x) dx from 0 to the half-width, that of
+    an even contact also where that is tilted.
+    """
+    # Imported where it is needed: most contacts have no layer.
+    from scipy.optimize import brentq
+
+    force, c = float(problem.normal_force.max()), problem.layer[0]
+    if not c > 0:
+        return 0.0
+    # Many, as the profile may have a kink.
+    places, weights = np.polynomial.legendre.leggauss(200)
+
+    def excess(b: float) -> float:
+        x = b * (places + 1) / 2
+        return float(b * weights @ (x * problem.profile.gap_slope(x))) - c * force
+
+    far = float(problem.profile.half_width(force))
+    while excess(far) < 0:
+        far *= 2
+    return min(float(brentq(excess, 0.0, far)), WIDENED * c * problem.profile.e_star)
+
+
 def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
     """(elements + 1,) nodes over all that ever is in contact, graded to the edges in the cycle.
 
@@ -136,16 +166,22 @@ def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
     states = states[np.isfinite(contact.left[states])]  # the bodies may part in the cycle
     half_width = float(np.min(contact.right[states] - contact.left[states]) / 2)
     length = governing_length(problem, half_width)
-    shift = edge_shift(problem) * half_width
-    left, right = (
-        EdgeRange(float(edge[states].min()) - shift, float(edge[states].max()) + shift, length)
-        for edge in (contact.left, contact.right)
+    shift, wider_by = edge_shift(problem) * half_width, layer_reach(problem)
+    left = EdgeRange(
+        float(contact.left[states].min()) - shift - wider_by,
+        float(contact.left[states].max()) + shift,
+        length,
+    )
+    right = EdgeRange(
+        float(contact.right[states].min()) - shift,
+        float(contact.right[states].max()) + shift + wider_by,
+        length,
     )
     kinks = np.array(problem.profile.kinks)
     # The neighbours of the last state are wider than anything in the history.
     wider = contact_edges(problem.scaled(1 + FRACTION))
     left_end, right_end = float(np.nanmin(wider.left)), float(np.nanmax(wider.right))
-    shift = edge_shift(problem) * (right_end - left_end) / 2
+    shift = edge_shift(problem) * (right_end - left_end) / 2 + wider_by
     reach = left_end - shift, right_end + shift
     return graded_grid((left, right), reach, np.unique([-kinks, kinks]), elements)
 
@@ -224,6 +260,7 @@ def _surface(problem: HalfPlaneProblem, hats: HatFunctions) -> ContactSurface:
         frames=np.broadcast_to(frame, (len(x), 2, 2)),
         weights=hats.weights,
         dundurs=problem.dundurs,
+        layer=max(problem.layer) * problem.profile.e_star,
     )
 
 

@@ -86,7 +86,7 @@ def loading_obstacles(case: Case) -> Iterator[str]:
     held = _held_sides(case)
     if len(sides) > 1 or any(OTHER_SIDE[side] not in held for side in sides):
         yield "loads: expected bulk tension on one side of the block and the other side fixed in x"
-    yield from _friction_obstacles(case)
+    yield from _surface_obstacles(case)
     rough = any(contact.rough for contact in case.contacts.values())
     if (sides or (rough and _only_held_side(case))) and not _has_shear_load(case):
         found = "the bulk tension" if sides else "the support of one side"
@@ -96,8 +96,10 @@ def loading_obstacles(case: Case) -> Iterator[str]:
         )
 
 
-def _friction_obstacles(case: Case) -> Iterator[str]:
-    for name in case.contacts:
+def _surface_obstacles(case: Case) -> Iterator[str]:
+    for name, contact in case.contacts.items():
+        if contact.gap is not None:
+            yield f"contacts.{name}.gap: expected the gap of the template alone"
         if not read_coefficients(case, name).even:
             yield f"contacts.{name}.friction: expected the same coefficient all over the surface"
 
@@ -249,7 +251,8 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     block = read_block(case.geometry.template, values, case)
     history = loads or build_history(case)
     loading = read_loading(case, history, block)
-    name = next(iter(case.contacts))
+    name, contact = next(iter(case.contacts.items()))
+    layer = contact.layer
     problem = HalfPlaneProblem(
         contact=name,
         body1=UPPER,
@@ -263,6 +266,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         bulk_tension=loading.bulk_tension,
         tangential=tangential_ratio(case),
         dundurs=coupled_beta(case, name, UPPER, LOWER),
+        layer=(0.0, 0.0) if layer is None else layer.compliances,
         guided=guided(case) and coupled_beta(case, name, UPPER, LOWER) != 0,
         between=_between(case, history, block),
         stretch=block.stretch(

@@ -39,6 +39,8 @@ class HalfPlaneProblem:
             body 1 is above.
         guided: whether body 1 does not turn although shear would turn it, as that of unlike bodies
             does: the moment is then a reaction.
+        layer: approach of the surfaces per pressure, and displacement along them per shear, by a
+            layer between them.
         between: (T-1, S, 4) P, Q, M and sigma0 within the steps, as `History.between`; None if they
             are straight lines there.
         stretch: bulk tension by a unit of P, as finite bodies stretch by different amounts under
@@ -61,6 +63,7 @@ class HalfPlaneProblem:
     tangential: float = 1.0
     dundurs: float = 0.0
     guided: bool = False
+    layer: tuple[float, float] = (0.0, 0.0)
     between: Array | None = None
     stretch: float = 0.0
     k_n_error: float = 0.0

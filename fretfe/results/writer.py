@@ -399,7 +399,8 @@ def _extremes(contacts: tuple[Contact, ...], cycle: tuple[int, int] | None) -> s
 def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) -> None:
     """Write a contact: what it has for each state in some of the states."""
     names = {"pair": contact.pair, "body1": contact.body1, "body2": contact.body2}
-    group.attrs.update({**names, "dundurs": contact.surface.dundurs})
+    surface = contact.surface
+    group.attrs.update({**names, "dundurs": surface.dundurs, "layer": surface.layer})
     for name in NODAL:
         _write_rows(group, name, getattr(contact, name), states)
     friction = contact.friction.fields

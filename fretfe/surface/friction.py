@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.case.base import AXES
 from fretfe.errors import CaseError
-from fretfe.loads.friction import BEYOND, Coefficients
+from fretfe.loads.friction import Coefficients
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.placed import nearest, on_arc
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,44 +97,7 @@ def require_covered(given: Coefficients, surface: ContactSurface) -> None:
 
 def _along(table: Coefficients, surface: ContactSurface) -> Array:
     """(N,) coefficients of a table at the nodes of a surface."""
-    dimension = surface.points.shape[1]
     if table.arc is not None:
-        if dimension == 3:
-            raise CaseError("expected places x, y and z on a surface of solids, found arc lengths")
-        return _on_arc(table.arc, table.values, surface.arc)
+        return on_arc(table.arc, table.values, surface)
     assert table.points is not None
-    if table.points.shape[1] != dimension:
-        raise CaseError(
-            f"expected the columns {', '.join(AXES[:dimension])}, found "
-            f"{', '.join(AXES[: table.points.shape[1]])}"
-        )
-    return table.values[_nearest(table.points, surface.points)]
-
-
-def _on_arc(places: Array, values: Array, arc: Array) -> Array:
-    """(N,) values at arc lengths (N,) of the nodes, straight lines between those at some places."""
-    slack = BEYOND * float(np.ptp(arc))
-    if places[0] > arc[0] + slack or places[-1] < arc[-1] - slack:
-        raise CaseError(
-            f"expected coefficients over the whole surface, arc lengths {arc[0]:.6g} to "
-            f"{arc[-1]:.6g}, found them from {places[0]:g} to {places[-1]:g}"
-        )
-    return np.interp(arc, places, values)
-
-
-def _nearest(points: Array, nodes: Array) -> Indices:
-    """(N,) number of the point nearest to each node, none farther than points are apart."""
-    # Imported where it is needed: reports of plane contacts do without SciPy.
-    from scipy.spatial import cKDTree
-
-    tree = cKDTree(points)
-    away, nearest = tree.query(nodes)
-    gaps = tree.query(points, k=2)[0][:, 1]
-    farthest, apart = int(np.argmax(away)), float(gaps[np.isfinite(gaps)].max(initial=0.0))
-    if away[farthest] > apart:
-        place = ", ".join(f"{each:.6g}" for each in nodes[farthest])
-        raise CaseError(
-            f"expected points over the whole surface, found none nearer to ({place}) than "
-            f"{away[farthest]:.3g}, where points are up to {apart:.3g} apart"
-        )
-    return np.asarray(nearest)
+    return table.values[nearest(table.points, surface)]

@@ -17,7 +17,7 @@ from reference.halfspace import SphereOnFlat
 
 from fretfe._typing import Array
 from fretfe.contact import march as march_module
-from fretfe.contact.interface import DenseCompliance, Interface
+from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, add_layers
 from fretfe.contact.linear_operator import FactoredOperator
 from fretfe.contact.march import March, StepResult
 from fretfe.contact.newton import LoadedStep, Newton, status_by_fixed_point
@@ -421,3 +421,35 @@ def test_tangent_of_the_slip_conditions(seed: int, slip: float) -> None:
     expected = newton_step_by_differences(traction, interface, penalty, free)
     # Round-off of a system whose entries span the decades of slip.
     np.testing.assert_allclose(found, expected, rtol=1e-9, atol=1e-11 * max(1.0, slip))
+
+
+# Approach per pressure, and shift per shear, of two contacts.
+LAYERS = {"one": (1e-3, 2.5e-3), "two": (1e-6, 1e-6)}
+MOVED = [(0.0, 0.0), (-0.004, 0.0), (-0.004, 0.0025)]
+
+
+def test_rigid_bodies_on_a_layer_have_its_pressure() -> None:
+    """p = k_n times the approach at each node, whatever its weight, and q = k_t times the shift."""
+    roots, height = np.sqrt([0.5, 1.0, 2.0, 1.0]), np.array([0.0, 0.001, 0.002, 0.5])
+    matrix, motion = np.zeros((8, 8)), np.zeros((4, 2, 2))
+    add_layers(matrix, {"one": slice(0, 3), "two": slice(3, 4)}, LAYERS, 2)
+    motion[:, 0, 0] = motion[:, 1, 1] = roots
+    interface = Interface(
+        components=2,
+        compliance=DenseCompliance(matrix),
+        gap=np.column_stack([roots * height, 0 * roots]).ravel(),
+        motion=motion.reshape(8, 2),
+        stiffness=np.zeros((2, 2)),
+        loads=np.zeros((8, 0)),
+        coordinate_loads=np.zeros((2, 0)),
+        roots=roots,
+        coordinates=tuple(Coordinate(each, "punch", "displacement", each) for each in "yx"),
+        contacts={"one": slice(0, 3), "two": slice(3, 4)},
+    )
+    steps = [StepLoads(np.zeros(0), np.array(each), np.full(4, 0.3)) for each in MOVED]
+    state = list(march_through(March(interface), steps))[-1].state
+    pressure, shear = (state.traction / roots[:, None]).T
+    assert pressure == pytest.approx([4.0, 3.0, 2.0, 0.0], rel=1e-12)
+    # k_t = 400 times .0025 is 1, less than .3 p at the first node alone.
+    assert shear == pytest.approx([-1.0, -0.9, -0.6, 0.0], rel=1e-12)
+    assert list(state.status) == [STICK, SLIP, SLIP, OPEN]

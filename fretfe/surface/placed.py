@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Numbers given along the arc of a surface, or at points, at the nodes of a contact."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.case.base import AXES
+from fretfe.errors import CaseError
+from fretfe.loads.friction import BEYOND
+from fretfe.surface.contact_surface import ContactSurface
+
+
+def on_arc(places: Array, values: Array, surface: ContactSurface) -> Array:
+    """(N,) values at the nodes of a plane contact, straight lines between those at arc lengths.
+
+    Raises:
+        CaseError: as for `require_arc`.
+    """
+    require_arc(places, surface)
+    return np.interp(surface.arc, places, values)
+
+
+def require_arc(places: Array, surface: ContactSurface) -> None:
+    """Check that arc lengths reach over the whole surface.
+
+    Raises:
+        CaseError: they do not, or it is a surface of solids.
+    """
+    if surface.points.shape[1] == 3:
+        raise CaseError("expected places x, y and z on a surface of solids, found arc lengths")
+    arc = surface.arc
+    slack = BEYOND * float(np.ptp(arc))
+    if places[0] > arc[0] + slack or places[-1] < arc[-1] - slack:
+        raise CaseError(
+            f"expected values over the whole surface, arc lengths {arc[0]:.6g} to "
+            f"{arc[-1]:.6g}, found them from {places[0]:g} to {places[-1]:g}"
+        )
+
+
+def nearest(points: Array, surface: ContactSurface) -> Indices:
+    """(N,) number of the point nearest to each node, none farther than points are apart.
+
+    Raises:
+        CaseError: the surface has other coordinates, or nodes without points near them.
+    """
+    # Imported where it is needed: reports of plane contacts do without SciPy.
+    from scipy.spatial import cKDTree
+
+    dimension = surface.points.shape[1]
+    if points.shape[1] != dimension:
+        raise CaseError(
+            f"expected the columns {', '.join(AXES[:dimension])}, found "
+            f"{', '.join(AXES[: points.shape[1]])}"
+        )
+    tree = cKDTree(points)
+    away, found = tree.query(surface.points)
+    gaps = tree.query(points, k=2)[0][:, 1]
+    farthest, apart = int(np.argmax(away)), float(gaps[np.isfinite(gaps)].max(initial=0.0))
+    if away[farthest] > apart:
+        place = ", ".join(f"{each:.6g}" for each in surface.points[farthest])
+        raise CaseError(
+            f"expected points over the whole surface, found none nearer to ({place}) than "
+            f"{away[farthest]:.3g}, where points are up to {apart:.3g} apart"
+        )
+    return np.asarray(found)

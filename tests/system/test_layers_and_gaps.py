@@ -1,0 +1,115 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Layers between the surfaces of bodies, and gaps that are given."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases.pad_cases import BASE, HOLD, PAD, TOP, cylinder, pad, press
+from reference.half_plane_collocation import compliance, partial_slip, pressed
+
+import fretfe
+from fretfe._typing import Array
+from fretfe.analytic.profiles import composite_modulus
+from fretfe.case import parse_case
+from fretfe.caution import Kind
+from fretfe.errors import CaseError
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+from fretfe.results.writer import write_results
+
+MODULUS = composite_modulus(210e3, 0.3, 210e3, 0.3)
+HALF_WIDTH = 0.57536
+SHEARED = [HOLD, {"ramp": 120.0, "until": 2.0, "steps": 4}]
+
+
+def solved(
+    main: dict[str, Any], folder: Path = Path(), radius: float = 50.0, size: float = 0.02
+) -> Result:
+    geometry = cylinder(size=size)
+    geometry["parameters"]["upper_radius"] = radius
+    shear = {**TOP, "direction": "x", "history": SHEARED}
+    tables = {
+        "geometry": geometry,
+        "contacts": {"main": {**PAD["contacts"]["main"], **main}},
+        "loads": {"press": press(), "shear": shear},
+        "supports": BASE,
+    }
+    return fretfe.run(parse_case(pad(**tables), source=folder / "pad.toml"))
+
+
+def profile(folder: Path, arc: Array, gap: Array) -> dict[str, str]:
+    rows = "\n".join(f"{a:.12g},{g:.12g}" for a, g in zip(arc, gap, strict=True))
+    (folder / "gap.csv").write_text(f"arc,gap\n{rows}\n")
+    return {"gap": "gap.csv"}
+
+
+@pytest.fixture(scope="module")
+def layered() -> Result:
+    normal = MODULUS / (0.3 * HALF_WIDTH)
+    return solved({"layer": {"normal": normal, "tangential": 2 * normal}})
+
+
+def test_pressure_and_shear_on_a_layer_are_those_of_collocation(layered: Result) -> None:
+    history = layered.contact_history("main")
+    x = np.linspace(-1, 1, 801) * 1.4 * HALF_WIDTH
+    given = 0.3 * HALF_WIDTH / MODULUS
+    pressure = pressed(x, x**2 / 100, compliance(x, MODULUS, given), 600.0)
+    touching = pressure > 0
+    places = x[touching]
+    matrix = compliance(places, MODULUS, given / 2)
+    shear, slips = partial_slip(places, matrix, 0.4 * pressure[touching], 120.0)
+    assert 0.2 < np.abs(places[~slips]).max() / places.max() < 0.9
+    arc, found = history.surface.arc, history.traction[-1]
+    assert np.abs(found[:, 0] - np.interp(arc, x, pressure)).max() < 0.01 * pressure.max()
+    inside = np.abs(arc) < places.max()
+    wrong = found[inside, 1] - np.interp(arc[inside], places, shear)
+    assert np.abs(wrong).max() < 0.03 * 0.4 * pressure.max()
+    assert np.abs(wrong).mean() < 0.005 * 0.4 * pressure.max()
+    assert Kind.LAYER in {each.kind for each in layered.contacts[0].warnings}
+    assert layered.contacts[0].shear_force[-1] == pytest.approx(120.0, rel=1e-9)
+
+
+def test_files_keep_the_length_of_the_layer(layered: Result, tmp_path: Path) -> None:
+    write_results(tmp_path, layered)
+    kept = load_result(tmp_path).contact_history("main").surface.layer
+    assert kept == pytest.approx(0.3 * HALF_WIDTH, rel=1e-9)
+
+
+def test_crowning_as_a_gap_is_crowning_of_the_mesh(tmp_path: Path) -> None:
+    arc = np.linspace(-3, 3, 121)
+    gap = profile(tmp_path, arc, arc**2 / 2 * (1 / 50 - 1 / 100))
+    given, meshed = solved(gap, tmp_path, radius=100.0), solved({})
+    pair = zip(given.contacts[0].stations, meshed.contacts[0].stations, strict=True)
+    for one, other in pair:
+        assert one.decisive_k_n[0] == pytest.approx(other.decisive_k_n[0], rel=2e-3)
+        assert one.k_t[-1] == pytest.approx(other.k_t[-1], rel=2e-3)
+        assert one.slip_zones[-1].length == pytest.approx(other.slip_zones[-1].length, rel=2e-3)
+    half_widths = given.contacts[0].half_width[-1], meshed.contacts[0].half_width[-1]
+    assert half_widths[0] == pytest.approx(half_widths[1], rel=1e-3)
+
+
+def test_waves_that_elements_do_not_resolve_are_reported(tmp_path: Path) -> None:
+    arc = np.linspace(-3, 3, 3001)
+    smooth = 0.0005 * (1 - np.cos(np.pi * arc))
+    waves = {
+        "fine": smooth + 0.0002 * (1 - np.cos(2 * np.pi * arc / 0.02)),
+        "smooth": smooth,
+    }
+    found = {}
+    for name, values in waves.items():
+        result = solved(profile(tmp_path, arc, values), tmp_path)
+        found[name] = Kind.GAP_MISSED in {each.kind for each in result.contacts[0].warnings}
+    assert found == {"fine": True, "smooth": False}
+
+
+def test_a_gap_that_lets_surfaces_overlap_is_refused(tmp_path: Path) -> None:
+    arc = np.linspace(-3, 3, 61)
+    with pytest.raises(CaseError) as error:
+        solved(profile(tmp_path, arc, -0.01 * np.cos(arc)), tmp_path)
+    text = str(error.value)
+    assert "contacts.main.gap: expected a gap that leaves the surfaces apart or touching" in text
+    assert "found an overlap of 0.009999 mm at (0, 0): add that" in text
