@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The Debian packages of docs/install.md are those that fretfe needs; a missing one is named.
-
-So are those that make a test fail on Debian unstable.
-"""
+"""The Debian packages of docs/install.md are those that fretfe needs; a missing one is named."""
 
 from __future__ import annotations
 
@@ -17,19 +14,14 @@ import pytest
 ROOT = Path(__file__).parents[2]
 
 
-def load(name: str) -> ModuleType:
-    """A tool for Debian."""
-    path = ROOT / "tools" / "debian" / f"{name}.py"
-    spec = importlib.util.spec_from_file_location(name, path)
+@pytest.fixture(scope="module")
+def tool() -> ModuleType:
+    path = ROOT / "tools" / "debian" / "check_packages.py"
+    spec = importlib.util.spec_from_file_location("check_packages", path)
     assert spec is not None and spec.loader is not None
     module = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
-
-
-@pytest.fixture(scope="module")
-def tool() -> ModuleType:
-    return load("check_packages")
 
 
 def test_the_page_names_what_is_needed_and_nothing_else(tool: ModuleType) -> None:
@@ -89,52 +81,3 @@ def test_the_package_depends_on_what_the_page_installs(tool: ModuleType) -> None
     # g++ is in build-essential, python3-venv for the way without the package
     build = installed(page, "to build") - {"g++", "python3-venv"}
     assert build <= field("control", "Build-Depends")
-
-
-@pytest.mark.parametrize(
-    ("package", "expected"),
-    [
-        ("python3-petsc4py-real3.22", "python3-petsc4py"),
-        ("python3-vtk9", "python3-vtk"),
-        ("python3-dolfinx-real", "python3-dolfinx"),
-        ("libhdf5-openmpi-310", "libhdf"),
-        ("libpetsc-real3.22-dev", "libpetsc"),
-        ("python3", "python3"),
-    ],
-)
-def test_families_of_packages_last_longer_than_versions(package: str, expected: str) -> None:
-    assert load("differences").family(package) == expected
-
-
-LOG = """
-E   dolfinx.cpp.Error: mesh
-/usr/lib/petscdir/petsc3.24/lib/python3/dist-packages/dolfinx/mesh.py:12: RuntimeError
-/usr/lib/python3/dist-packages/numpy/core.py:3: in array
-FAILED tests/fem/test_a.py::test_b[shear 60°] - RuntimeError: mesh - gone
-rank 1: fem/test_a.py::test_c
-3 passed, 2 failed
-"""
-OLD = "python3-dolfinx-real 1:0.9.0-7\npython3-numpy 1:2.2.4+ds-1\nlibpetsc-real3.22 3.22.5-1\n"
-NEW = "python3-dolfinx-real 1:0.10.0-1\npython3-numpy 1:2.2.4+ds-2\nlibpetsc-real3.24 3.24.1-1\n"
-
-
-def test_failures_on_unstable_name_the_packages_that_they_went_through() -> None:
-    """NumPy is in the tracebacks but the same, PETSc is not in them."""
-    assert load("differences").differences(LOG, OLD, NEW).splitlines() == [
-        "Failed on Debian unstable: 2 tests",
-        "tests/fem/test_a.py::test_b[shear 60°]",
-        "fem/test_a.py::test_c",
-        "Packages that differ and stand in the tracebacks:",
-        "python3-dolfinx 0.10.0 (Debian 13: 0.9.0)",
-    ]
-
-
-def test_a_failure_without_a_traceback_shows_all_packages_that_differ() -> None:
-    told = load("differences").differences("killed", OLD, NEW).splitlines()
-    assert told[0] == "Failed on Debian unstable: 0 tests"
-    assert told[2:] == [
-        "libpetsc 3.24.1 (Debian 13: 3.22.5)",
-        "python3-dolfinx 0.10.0 (Debian 13: 0.9.0)",
-    ]
-    crashed = load("differences").differences("PETSC ERROR: Caught signal 11", OLD, NEW)
-    assert "tracebacks:\nlibpetsc 3.24.1" in crashed

@@ -3,9 +3,7 @@
 # Install fretfe on a bare Debian, word for word as docs/install.md says, and run its tests there.
 # Usage: test.sh SUITE [fresh|prepare]      SUITE: trixie, sid, ...; fresh: not with the system of last
 # time; prepare: make a fresh system with the packages, and no more
-# The versions of all packages go to build/debian/SUITE.
-# Exit code 3: Debian's packages cannot be installed, and nothing of fretfe was tried; 4: with these
-# packages fretfe cannot be installed, or a test fails.
+# Exit code 3: Debian's packages cannot be installed, and nothing of fretfe was tried.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/outside.sh"
 
