@@ -35,7 +35,7 @@ LONGEST = [
     for name in (
         *("system/test_demos", "system/test_pages", "system/test_sphere", "fem/test_refine_solids"),
         *("system/test_speed", "system/test_campaign", "system/test_plane_in_space"),
-        *("system/test_sphere_fronts", "system/test_ellipsoid_and_cylinder", "system/test_verify"),
+        *("system/test_ellipsoid_and_cylinder", "system/test_verify"),
         *("system/test_campaign_solids", "system/test_faults", "system/test_soak"),
         *("fem/test_interaction_integral_fronts", "project/test_packages"),
         *("cli/test_laboratory_verify", "campaign/test_first_jobs"),
