@@ -35,8 +35,9 @@ if ! "$python" -c "$usable" >/dev/null 2>&1; then
 fi
 "$python" -m pip --version >/dev/null 2>&1 || "$python" -m ensurepip --upgrade >/dev/null
 
+# Python compiles what it imports; all of the packages would take half a minute.
 pip_install() {
-    "$python" -m pip install --quiet --no-input --disable-pip-version-check "$@"
+    "$python" -m pip install --quiet --no-input --disable-pip-version-check --no-compile "$@"
 }
 
 echo "Installing into $venv (the first time some minutes and up to 2 GB)"
