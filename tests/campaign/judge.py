@@ -10,7 +10,6 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Literal
 
-import numpy as np
 from campaign.draw import (
     BODY,
     MISSION,
@@ -23,6 +22,7 @@ from campaign.draw import (
     with_quadrilaterals,
 )
 from campaign.irregular_draw import IrregularDraw
+from campaign.known_zones import KnownZone, Zones, known_zones, zone_ending_at
 from campaign.solids import SolidDraw
 from campaign.unlike_draw import UnlikeDraw
 from reference.closed_forms import closed_contact
@@ -30,13 +30,13 @@ from reference.closed_forms import closed_contact
 import fretfe
 from fretfe.case import parse_case
 from fretfe.errors import FretfeError
-from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.results.model import Result
 
 Verdict = Literal["right", "flagged", "wrong"]
 QUANTITIES = ("K_N", "ΔK_T", "d")
-# Steps in a cycle of the runs that give the answers: closed forms, then half-planes.
-CLOSED_FORM_STEPS, HALF_PLANE_STEPS = 360, 60
+# Steps in a cycle of the closed forms that give the answers.
+CLOSED_FORM_STEPS = 360
 # Bodies BODY half-widths high differ from half-planes by about this multiple of 1/BODY²: measured
 # on fine meshes of all profiles and three heights.
 FINITE_BODY = 4.0
@@ -107,7 +107,7 @@ class Answers:
     draw: Draw
     found: Result | FretfeError
     exact: Contact
-    half_planes: Result
+    zones: Zones
 
 
 def judge_case(number: int) -> list[Judged]:
@@ -134,28 +134,26 @@ def solve(one: Draw) -> Answers:
         except FretfeError as error:
             found = error
     exact = closed_contact(parse_case(case_of(one, CLOSED_FORM_STEPS)))
-    half_planes = fretfe.run(parse_case(case_of(one, HALF_PLANE_STEPS)), backend="halfplane")
-    return Answers(one, found, exact, half_planes)
+    return Answers(one, found, exact, known_zones(one))
 
 
 def judge(answers: Answers) -> Iterator[Judged]:
     """Compare the numbers of a case, solved by finite elements, with the exact ones."""
     for number, edge in enumerate(EDGES):
         exact = answers.exact.stations
-        half_plane = answers.half_planes.contacts[0].stations[number]
+        known = answers.zones[number]
         if isinstance(answers.found, FretfeError):
             nothing = (answers.draw, edge)
-            for quantity, truth in zip(QUANTITIES, _truths(exact[number], half_plane), strict=True):
+            for quantity, truth in zip(QUANTITIES, _truths(exact[number], known), strict=True):
                 yield Judged(*nothing, quantity, math.nan, math.nan, truth, 0.0, "no result")
             continue
         station = answers.found.contacts[0].stations[number]
         remark = _remarks(answers.found, edge)
         yield from _judge_factors(answers.draw, station, exact, number, remark)
-        yield from _judge_zone(answers, station, half_plane, remark)
+        yield from _judge_zone(answers, station, known, remark)
 
 
-def _truths(exact: Station, half_plane: Station) -> tuple[float, float, float]:
-    zones = half_plane.slip_zones
+def _truths(exact: Station, zones: tuple[KnownZone, ...]) -> tuple[float, float, float]:
     return exact.decisive_k_n[0], exact.k_t_range, zones[-1].length if zones else math.nan
 
 
@@ -182,7 +180,7 @@ def _judge_factors(
 
 
 def _judge_zone(
-    answers: Answers, station: Station, half_plane: Station, remark: str
+    answers: Answers, station: Station, known: tuple[KnownZone, ...], remark: str
 ) -> Iterator[Judged]:
     """The last slip zone, if half-planes have one that ends at the same time."""
     assert isinstance(answers.found, Result)
@@ -191,9 +189,8 @@ def _judge_zone(
     else:
         zone = station.slip_zones[-1]
         end = float(answers.found.loads.times[zone.end])
-    times = answers.half_planes.loads.times
-    counterpart = _ending_at(half_plane.slip_zones, times, end, 1 / answers.draw.steps)
-    if counterpart is None or not counterpart.resolved or counterpart.gross:
+    counterpart = zone_ending_at(known, end, 1 / answers.draw.steps)
+    if counterpart is None or not counterpart.counts:
         return
     if zone is not None and zone.gross:
         return
@@ -201,15 +198,3 @@ def _judge_zone(
     allowance = counterpart.spread + HALF_PLANE_BORDER * answers.draw.a
     truth = counterpart.length
     yield Judged(answers.draw, station.front, "d", value, bar, truth, allowance, remark)
-
-
-def _ending_at(
-    zones: tuple[SlipZone, ...], times: np.ndarray, end: float, tolerance: float
-) -> SlipZone | None:
-    """The zone whose end is nearest to a time and no more than `tolerance` away."""
-    if math.isnan(end):
-        return zones[-1] if zones else None
-    distances = [abs(float(times[zone.end]) - end) for zone in zones]
-    if not distances or min(distances) > 1.01 * tolerance:
-        return None
-    return zones[int(np.argmin(distances))]

@@ -7,15 +7,15 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from campaign.draw import MIDDLE, MISSION, MOVING, SWEPT, case_of, draw_moving, with_mission
+from campaign.draw import MIDDLE, MISSION, MOVING, SWEPT, case_of, draw, draw_moving, with_mission
+from campaign.extent import SEED
 from campaign.judge import QUANTITIES, Judged, judge_case
+from campaign.known_zones import COUNT, stored_zones, zones_by_half_planes
 from campaign.tables import RESOLVED, tables
 
 from fretfe.case import parse_case
 from fretfe.loads import build_history
 
-# The first ones of `python -m campaign`.
-COUNT = 36
 # Elements over the half-width from which on bars are to be sharp.
 SHARP = 20
 
@@ -59,6 +59,18 @@ def test_tables(judged: list[Judged]) -> None:
         assert all(len(each.split("|")) == 10 for each in rows)
         counts = [int(each.split("|")[3].split(" of ")[1]) for each in rows]
         assert sum(counts) == int(given.split(" of ")[1])
+
+
+@pytest.mark.slow
+def test_stored_answers_are_those_of_half_planes() -> None:
+    """Of another case each week."""
+    number = SEED % COUNT
+    solved = zones_by_half_planes(draw(number))
+    for stored, zones in zip(stored_zones()[number], solved, strict=True):
+        assert [zone.counts for zone in stored] == [zone.counts for zone in zones]
+        for name in ("end", "length", "spread"):
+            pairs = ([getattr(zone, name) for zone in each] for each in (stored, zones))
+            np.testing.assert_allclose(*pairs, rtol=1e-4)
 
 
 @pytest.mark.parametrize("kind", MOVING)
