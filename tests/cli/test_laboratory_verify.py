@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from harness.launch import fretfe
+from quality.test_verification_benchmarks import NOT_FOR_HALF_PLANES
 from typer.testing import CliRunner
 
 from fretfe.backends import Backend, Installed, RunOptions
@@ -73,6 +74,15 @@ def test_json_rows(document: dict[str, Any]) -> None:
     assert {row["backend"] for row in rows} == {"halfplane"}
     names = [benchmark.name for benchmark in (*benchmarks(), *controls())]
     assert list(dict.fromkeys(row["benchmark"] for row in rows)) == names
+
+
+def test_half_planes_pass_every_benchmark_that_they_take(document: dict[str, Any]) -> None:
+    found: dict[str, set[str]] = {}
+    for row in document["rows"]:
+        found.setdefault(row["benchmark"], set()).add(row["verdict"])
+    expected = {each.name: {"agrees"} for each in benchmarks()}
+    expected |= {name: {"skipped"} for name in NOT_FOR_HALF_PLANES}
+    assert found == expected | {each.name: {"caught"} for each in controls()}
 
 
 def test_json_numbers(document: dict[str, Any]) -> None:

@@ -4,12 +4,14 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 
 import pytest
 from harness.launch import fretfe
 
 from fretfe.backends import Installed
 from fretfe.fem.backend import BACKEND
+from fretfe.quality import verification
 from fretfe.quality.comparison import Benchmark, Row
 from fretfe.quality.verification import benchmarks, controls, run_benchmark
 
@@ -24,12 +26,14 @@ QUICK = (
 )
 
 
-def run(benchmark: Benchmark) -> tuple[Row, ...]:
-    return run_benchmark(benchmark, Installed("fem", "", BACKEND))
+@cache
+def rows_of(name: str) -> tuple[Row, ...]:
+    """Of a benchmark or control, which is run once."""
+    return run_benchmark((BENCHMARKS | CONTROLS)[name], Installed("fem", "", BACKEND))
 
 
 def check(name: str) -> None:
-    rows = run(BENCHMARKS[name])
+    rows = rows_of(name)
     assert [row for row in rows if row.verdict != "agrees"] == []
     assert len(rows) == len(BENCHMARKS[name].quantities)
 
@@ -42,13 +46,19 @@ def test_benchmark_passes(name: str) -> None:
 
 @pytest.mark.parametrize("name", CONTROLS)
 def test_control_is_caught(name: str) -> None:
-    (row,) = run(CONTROLS[name])
+    (row,) = rows_of(name)
     assert row.verdict == "caught", row.reason
 
 
 @pytest.mark.slow
-def test_every_benchmark_passes() -> None:
+def test_every_benchmark_passes(monkeypatch: pytest.MonkeyPatch) -> None:
     """On one process: on two they are the same to round-off, as those are that are tested above."""
+
+    def once(benchmark: Benchmark, installed: Installed) -> tuple[Row, ...]:
+        solved = benchmark.name in BENCHMARKS | CONTROLS
+        return rows_of(benchmark.name) if solved else run_benchmark(benchmark, installed)
+
+    monkeypatch.setattr(verification, "run_benchmark", once)
     done = fretfe("verify", "--backend", "fem", "--json")
     assert done.returncode == 0, done.stdout + done.stderr
     rows = json.loads(done.stdout)["rows"]
