@@ -36,7 +36,7 @@ LONGEST = [
         *("system/test_demos", "system/test_pages", "system/test_sphere", "fem/test_refine_solids"),
         *("system/test_speed", "system/test_campaign", "system/test_plane_in_space"),
         *("system/test_ellipsoid_and_cylinder", "system/test_verify"),
-        *("system/test_campaign_solids", "system/test_faults", "system/test_soak"),
+        *("system/test_campaign_solids", "system/test_faults", "system/test_front_ends"),
         *("fem/test_interaction_integral_fronts", "project/test_packages"),
         *("cli/test_laboratory_verify", "campaign/test_first_jobs"),
     )

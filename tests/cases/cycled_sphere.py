@@ -12,14 +12,11 @@ Data = dict[str, Any]
 RADIUS, YOUNG, FRICTION, SHARE = 50.0, 2e5, 0.5, 0.4
 FORCE = 2 * YOUNG / (3 * RADIUS)  # a = 1
 PEAK = 3 * FORCE / (2 * np.pi)
-COMPLIANCE = 8 / YOUNG  # (2 - ν1)/G1 + (2 - ν2)/G2
-STICK = (1 - SHARE) ** (1 / 3)
 LIMIT = FRICTION * FORCE
-MOMENT = 1e-3 * FORCE
 HOLD = [{"hold": True, "until": 1.0}]
 
 
-def tables(friction: float, *, shear: list[Data] = HOLD, twist: list[Data] = HOLD) -> Data:
+def tables(friction: float, *, shear: list[Data] = HOLD) -> Data:
     def platen(direction: str, history: list[Data]) -> Data:
         kind = {"type": "platen", "boundary": "upper_top", "control": "force"}
         return {**kind, "direction": direction, "history": history}
@@ -39,7 +36,7 @@ def tables(friction: float, *, shear: list[Data] = HOLD, twist: list[Data] = HOL
         "loads": {
             "press": platen("y", [{"ramp": -FORCE, "until": 1.0, "steps": 1}]),
             "shear": platen("x", shear),
-            "twist": {**turn, "control": "moment", "history": twist},
+            "twist": {**turn, "control": "moment", "history": HOLD},
         },
     }
 
