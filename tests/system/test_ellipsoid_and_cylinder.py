@@ -30,6 +30,8 @@ def tables(template: str, poisson: float, loads: dict[str, Data], **parameters: 
         "contacts": {"main": contact},
         "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y", "z"]}},
         "loads": loads,
+        # Nothing is asked about fronts.
+        "edges": {"stations": 8, "local": False},
     }
 
 
