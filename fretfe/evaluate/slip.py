@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -178,9 +178,10 @@ def slip_zones(
     last = last_state(cycle, station)
     if begin >= last or not friction[last] > 0 or not known[begin : last + 1].all():
         return ()
-    fresh, gripped, locked = begin == first, 0.0, 0.0
+    fresh, gripped = begin == first, _Gripped(begin)
     if not unlike:
-        begin, gripped, locked = _gripped(begin, last, cycle, float(friction.max()), station)
+        gripped = _gripped(begin, last, cycle, float(friction.max()), station)
+        begin = gripped.until
     zones = []
     halves: Sequence[tuple[int, int]] = [(max(last - 1, begin), last)]
     if not pressed:
@@ -203,14 +204,15 @@ def slip_zones(
         elif fresh and start == begin and not pressed and math.isfinite(station.k_n[end]):
             rise = float(station.k_t[end] - station.k_t[begin])
             # What is locked in already leaves less of f p on that side, and more on the other.
-            left = 1 - math.copysign(gripped, gripped * rise)
+            left = 1 - math.copysign(gripped.part, gripped.part * rise)
             rise = rise / left if left > 0 else math.nan
             cyclic = float(slip_length_first_loading(rise, station.k_n[end], friction[end]))
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
             spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
         if start == begin or not len(cycle):  # of a cycle others slip where the first one has
-            spread = math.hypot(spread, locked)
+            border_place = station.inward * float(station.position[end]) + border.length
+            spread = math.hypot(spread, gripped.unknown_beyond(border_place))
         missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
         # A zone that is long against its edge grows faster than predicted.
         missed *= max(1.0, border.length / loop) if loop > 0 else 1.0
@@ -264,20 +266,41 @@ def _swept(cycle: States, friction: float, end: int, station: StationHistory, lo
     return bool(0 < friction * station.k_n[end] * loop <= (1 + SWEPT) * way)
 
 
+@dataclass(frozen=True)
+class _Gripped:
+    """Pressing during which an edge between similar bodies sticks.
+
+    As long as P moves it outward faster than it is sheared nothing slips, and the shear that is
+    locked in behind it is that part s = dK_T/(f dK_I) of f p. Slip counts from there on. Over the
+    width da of a step nothing says where it is locked in, so that K_T is known to half of s f dK_I
+    = s f K_N da/2. That moves a border there by 2 dK_T/(f K_N (1 - s)), which is da/2 s/(1 - s).
+
+    Attributes:
+        until: last state of it.
+        part: s of the last step that moves the edge.
+        outer: (n,) outer ends of the steps, measured inward.
+        unknown: (n,) da/2 s/(1 - s) of each.
+    """
+
+    until: int
+    part: float = 0.0
+    outer: Array = field(default_factory=lambda: np.zeros(0))
+    unknown: Array = field(default_factory=lambda: np.zeros(0))
+
+    def unknown_beyond(self, border: float) -> float:
+        """By how much a border at a place may be misplaced: by the steps that end beyond it."""
+        beyond = self.outer <= max(border, self.outer.min(initial=math.inf))
+        return float(self.unknown[beyond].max(initial=0.0))
+
+
 def _gripped(
     begin: int, last: int, cycle: States, friction: float, station: StationHistory
-) -> tuple[int, float, float]:
-    """State until which an edge sticks from `begin` on, and dK_T/(f dK_I) of the pressing then.
-
-    As long as P moves an edge between similar bodies outward faster than it is sheared nothing
-    slips, and the shear that is locked in behind it is that part s of f p. Slip counts from there
-    on. Over the width da of the last step nothing says where it is locked in, so that K_T is known
-    to half of s f dK_I = s f K_N da/2. That moves the border by 2 dK_T/(f K_N (1 - s)), which is
-    da/2 s/(1 - s) and returned too.
+) -> _Gripped:
+    """How an edge sticks from `begin` on, a state from which friction acts, no later than `last`.
 
     Args:
-        begin: state from which on friction acts.
-        last: state until which it does.
+        begin: first state.
+        last: last state.
         cycle: states of the evaluated cycle, which begins no earlier than what is returned.
         friction: coefficient.
         station: its factors.
@@ -290,11 +313,13 @@ def _gripped(
     count = int(slips[0]) if len(slips) else 0
     moves = np.flatnonzero(presses[:count] > tolerance)
     if not len(moves):
-        return begin + count, 0.0, 0.0
-    step = moves[-1]
-    part = float(shears[step] / presses[step])
-    width = float(np.nan_to_num(np.ptp(station.position[begin + step : begin + step + 2])))
-    return begin + count, part, width / 2 * min(abs(part) / max(1 - abs(part), UNDRIVEN), 1.0)
+        return _Gripped(begin + count)
+    parts = shears[moves] / presses[moves]
+    places = station.inward * station.position[begin : begin + count + 1]
+    widths = np.abs(np.nan_to_num(np.diff(places)[moves]))
+    sizes = np.abs(parts)
+    unknown = widths / 2 * np.minimum(sizes / np.maximum(1 - sizes, UNDRIVEN), 1.0)
+    return _Gripped(begin + count, float(parts[-1]), places[moves + 1], unknown)
 
 
 def _told(border: SlipBorder, spread: float) -> bool:

@@ -42,16 +42,16 @@ def test_each_half_cycle_counts_from_where_the_edge_slips(share: float, mirror: 
         assert np.isnan(back.predicted)
 
 
-@pytest.mark.parametrize("steps", [3, 10])
-def test_a_zone_is_as_good_as_the_last_step_of_the_pressing(
-    steps: int, monkeypatch: pytest.MonkeyPatch
+@pytest.mark.parametrize(("steps", "elements"), [(3, 300), (10, 300), (5, 600)])
+def test_a_zone_is_as_good_as_the_steps_of_the_pressing_around_its_border(
+    steps: int, elements: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Shear is locked in anywhere within the last step: .1611 and .1578 for .1548."""
+    """Shear is locked in anywhere within a step: .1611, .1578 and .1628 for .1548."""
     monkeypatch.setattr(halfplane_problems, "PRESS_STEPS", steps)
     share, shear = 0.3, LIMIT * np.array([0.3, 0.433, TOP, 0.25])
-    contact = solved(problem(np.full_like(shear, LOAD), shear, frictional_press=True))
+    given = problem(np.full_like(shear, LOAD), shear, frictional_press=True)
     exact = 1 - np.sqrt((1 - TOP) / (1 - share))
-    for station in contact.stations:
+    for station in solved(given, elements).stations:
         there = station.slip_zones[0]
         assert there.length == pytest.approx(exact, abs=there.spread)
-        assert there.spread < 0.08 * exact
+        assert there.spread < 0.085 * exact
