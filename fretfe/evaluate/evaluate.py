@@ -13,14 +13,13 @@ from fretfe._typing import Array
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
-from fretfe.evaluate.loaded import with_own_cycle
+from fretfe.evaluate.loaded import whole_sliding, with_own_cycle
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
-from fretfe.evaluate.slip import whole_sliding
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
 from fretfe.evaluate.withheld import Lack, Withheld, failed
 from fretfe.faults import Fault, guarded

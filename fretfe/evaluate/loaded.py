@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""States in which a contact is loaded: those of its own cycle, and the one that decides.
+"""States in which a contact is loaded: its own cycle, the one that decides, those it slides in.
 
 A mission that begins or ends without load, or lifts the bodies off in between, has no edge in some
 of its states. Each plane contact is then evaluated over the run of states in which it has edges,
@@ -15,7 +15,8 @@ import numpy as np
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.numerics import EQUAL_LOADS, most_loaded
-from fretfe.history.solution import ContactHistory, Solution
+from fretfe.evaluate.slip import SMALLEST_SLIP, slip_in_steps
+from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 
 # Part of the largest P up to which a state whose contact has too few nodes is left out.
@@ -122,3 +123,49 @@ def left_out(cycle: tuple[int, int] | None, states: Indices, force: Array) -> fl
     share = force[ends].max(initial=0.0) / force[states].max()
     part = float(max(share, 0.0) ** GROWTH)
     return part / max(1.0 - part, 0.1)
+
+
+def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, float]:
+    """Share of the time of the cycle, or of all, in which a contact slips as a whole, and how far.
+
+    How far is the range of the mean slip of its nodes that adds up in those steps. The last few
+    nodes of a contact that opens slip by nothing but the size of the elements: where P is a small
+    part of its largest, slip counts that other displacements of the surfaces do not dwarf.
+    """
+    first, last = solution.cycle or (0, len(solution.times) - 1)
+    moves, whole, largest = [], [], 0.0
+    for part in blocks(last - first, contact.traction[0].size):
+        begin, end = first + part.start, first + part.stop
+        slip = slip_in_steps(contact, begin, end, solution.least_slip)
+        closed = np.asarray(contact.status[begin + 1 : end + 1]) != OPEN
+        size = np.linalg.norm(slip, axis=2)
+        rough = contact.friction.acts[begin + 1 : end + 1]
+        whole.append(rough & closed.any(axis=1) & ((size > 0) | ~closed).all(axis=1))
+        shares = closed * contact.surface.weights
+        shares = shares / np.maximum(shares.sum(axis=1), np.finfo(float).tiny)[:, None]
+        moves.append(np.einsum("tn,tnc->tc", shares, slip))
+        largest = max(largest, float(size.max(initial=0.0)))
+    slides = np.concatenate(whole) if whole else np.zeros(0, dtype=bool)
+    if not slides.any():
+        return 0.0, 0.0
+    steps, times = np.concatenate(moves), np.diff(solution.times[first : last + 1])
+    force = normal_force(contact)[first + 1 : last + 1]
+    least = SMALLEST_SLIP * max(largest, _opening(contact, first, last))
+    small = (force <= SMALL_LOAD * force.max()) & (np.linalg.norm(steps, axis=1) < least)
+    slides = slides & ~small
+    path = np.cumsum(steps * slides[:, None], axis=0)
+    reach = float(np.linalg.norm(np.ptp(np.vstack([0.0 * path[:1], path]), axis=0)))
+    return float(times[slides].sum() / times.sum()), reach
+
+
+def _opening(contact: ContactHistory, first: int, last: int) -> float:
+    """Largest gap of a node that touches in some states, in those in which any node does."""
+    touches: Bools = np.zeros(len(contact.surface.weights), dtype=bool)
+    widest: Array = np.zeros(len(touches))
+    for part in blocks(last + 1 - first, contact.traction[0].size):
+        states = slice(first + part.start, first + part.stop)
+        closed = np.asarray(contact.status[states]) != OPEN
+        touches |= closed.any(axis=0)
+        gap = contact.gap[states][closed.any(axis=1)]
+        widest = np.maximum(widest, gap.max(axis=0, initial=0.0))
+    return float(widest[touches].max(initial=0.0))

@@ -14,8 +14,7 @@ from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading,
 from fretfe.evaluate.contacts import SlipZone, StationHistory
 from fretfe.evaluate.cycles import Worst, slip_reversals
 from fretfe.evaluate.load_path import LoadPath
-from fretfe.history.solution import OPEN, SLIP, ContactHistory, Solution
-from fretfe.history.state_array import blocks
+from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
 
@@ -109,31 +108,6 @@ def slip_in_steps(
     largest = np.where(slips & ~closes, size, 0.0)[:, nearby].max(axis=1, initial=0.0)
     counted = np.where(closes, np.minimum(size, largest[:, None]), size)
     return slip * np.where(slips, counted / np.where(size > 0, size, 1.0), 0.0)[..., None]
-
-
-def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, float]:
-    """Share of the time of the cycle, or of all, in which a contact slips as a whole, and how far.
-
-    How far is the range of the mean slip of its nodes that adds up in those steps.
-    """
-    first, last = solution.cycle or (0, len(solution.times) - 1)
-    moves, whole = [], []
-    for part in blocks(last - first, contact.traction[0].size):
-        begin, end = first + part.start, first + part.stop
-        slip = slip_in_steps(contact, begin, end, solution.least_slip)
-        closed = np.asarray(contact.status[begin + 1 : end + 1]) != OPEN
-        moving = np.linalg.norm(slip, axis=2) > 0
-        rough = contact.friction.acts[begin + 1 : end + 1]
-        whole.append(rough & closed.any(axis=1) & (moving | ~closed).all(axis=1))
-        shares = closed * contact.surface.weights
-        shares = shares / np.maximum(shares.sum(axis=1), np.finfo(float).tiny)[:, None]
-        moves.append(np.einsum("tn,tnc->tc", shares, slip))
-    if not whole:
-        return 0.0, 0.0
-    slides, times = np.concatenate(whole), np.diff(solution.times[first : last + 1])
-    path = np.cumsum(np.concatenate(moves) * slides[:, None], axis=0)
-    reach = float(np.linalg.norm(np.ptp(np.vstack([0.0 * path[:1], path]), axis=0)))
-    return float(times[slides].sum() / times.sum()), reach
 
 
 def cycle_states(cycle: tuple[int, int] | None) -> States:
@@ -296,7 +270,7 @@ class _Gripped:
 def _gripped(
     begin: int, last: int, cycle: States, friction: float, station: StationHistory
 ) -> _Gripped:
-    """How an edge sticks from `begin` on, a state from which friction acts, no later than `last`.
+    """The pressing with which an edge sticks from `begin` on, until `last` at most.
 
     Args:
         begin: first state.

@@ -3,12 +3,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from cases.halfplane_problems import LIMIT, LOAD, problem
 
-from fretfe.evaluate.loaded import decisive_state, left_out
+from fretfe.evaluate.loaded import decisive_state, left_out, whole_sliding
+from fretfe.halfplane import solve_half_planes
+from fretfe.history.solution import OPEN, SLIP
 
 STATES = np.arange(6)
+APPROACH = 0.01  # of the half-planes under LOAD, a^2/(2 R)
 
 
 @pytest.mark.parametrize(
@@ -38,3 +44,30 @@ def test_the_range_that_is_left_out_of_a_cylinder_pressed_and_sheared_in_proport
     k_t = force**0.75
     found = left_out((0, 4), np.arange(1, 4), force) * np.ptp(k_t[1:4])
     assert found == pytest.approx(k_t.max() - np.ptp(k_t[1:4]), rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("part", "slip", "counts"),
+    [(1e-4, 6e-9, False), (1e-4, 1e-3, True), (1.0, 6e-9, True)],
+)
+def test_sliding_of_next_to_nothing_is_none(part: float, slip: float, counts: bool) -> None:
+    """Two nodes slip under a part of P, and that is all there is in the cycle."""
+    steps = LIMIT * np.array([0.0, 0.1, 0.2])
+    solution = solve_half_planes(problem(np.full_like(steps, LOAD), steps), 60).solution
+    (contact,) = solution.contacts
+    status, moved, traction, gap = (
+        np.array(each)
+        for each in (contact.status, contact.slip, contact.mean_traction, contact.gap)
+    )
+    two, last = [30, 31], len(status) - 1
+    status[last] = OPEN
+    status[last, two] = SLIP
+    moved[last] = moved[last - 1] + slip
+    traction[last] *= part
+    gap[last] = APPROACH
+    found = replace(contact, status=status, slip=moved, mean_traction=traction, gap=gap)
+    # of the cycle all slides in the second of two steps
+    times = solution.times[last - 2 :]
+    share, reach = whole_sliding(replace(solution, cycle=(last - 2, last)), found)
+    expected = (times[2] - times[1]) / (times[2] - times[0]), slip
+    assert (share, reach) == pytest.approx(expected if counts else (0.0, 0.0), rel=1e-9)
