@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array
 
 # Loads that leave the straight line by less than this part of their range are lines.
 STRAIGHT = 1e-9
@@ -51,12 +51,13 @@ class LoadPath:
         return slice(max(place - parts + 1, 0), place + parts)
 
 
-def excess(factor: Array, cycle: Indices, path: LoadPath | None) -> float:
+def excess(factor: Array, path: LoadPath | None) -> float:
     """Excess of a factor (T,) between the steps of a cycle over its range at them; 0 if unknown."""
-    if path is None or not len(cycle):
+    if path is None:
         return 0.0
     fine = path.refine(factor)
-    return float(np.ptp(fine) - np.ptp(factor[cycle])) if np.isfinite(fine).all() else 0.0
+    ends = factor[path.first : path.first + len(path.bulges) + 1]
+    return float(np.ptp(fine) - np.ptp(ends)) if np.isfinite(fine).all() else 0.0
 
 
 def load_path(

@@ -405,7 +405,7 @@ def range_spread(
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
         discretisation=float(np.linalg.norm([factors.one_sided[number], *unresolved])),
-        steps=excess(ways.mean(axis=0), cycle, path) + float(factors.uneven[number]),
+        steps=excess(ways.mean(axis=0), path) + float(factors.uneven[number]),
     )
 
 

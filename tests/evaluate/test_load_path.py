@@ -44,7 +44,7 @@ def test_excess_is_what_the_steps_miss_of_the_extremes() -> None:
     missed = np.ptp(everywhere) - np.ptp(factor[STATES])
     assert missed > 0.01 * np.ptp(everywhere)
     # Eight parts of a step leave 1/64 of what a step misses.
-    assert excess(factor, STATES, path()) == pytest.approx(missed, rel=1 / 64)
+    assert excess(factor, path()) == pytest.approx(missed, rel=1 / 64)
 
 
 def test_nothing_is_missed_between_straight_lines() -> None:
@@ -54,11 +54,11 @@ def test_nothing_is_missed_between_straight_lines() -> None:
     assert load_path(triangle, within, CYCLE) is None
     assert load_path(triangle, None, CYCLE) is None
     assert load_path(triangle, within, None) is None
-    assert excess(triangle[:, 0], STATES, None) == 0.0
+    assert excess(triangle[:, 0], None) == 0.0
 
 
 def test_an_unknown_state_leaves_the_cycle_unknown() -> None:
     factor = loads(TIMES)[:, 0]
     factor[6] = np.nan
     assert np.isnan(path().refine(factor)).all()
-    assert excess(factor, STATES, path()) == 0.0
+    assert excess(factor, path()) == 0.0

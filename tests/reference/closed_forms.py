@@ -291,7 +291,7 @@ def _station(
     history = replace(history, decisive=state)
     worst = worst_cycle(cycles, cycle, problem.friction, history)
     zones = slip_zones(cycle, problem.friction, history, borders, path=path, worst=worst)
-    spread = RangeSpread(0.0, 0.0, excess(history.k_t, cycle, path))
+    spread = RangeSpread(0.0, 0.0, excess(history.k_t, path))
     k_range = cycle_range(history.k_t, cycle)
     station = Station(
         **vars(history),

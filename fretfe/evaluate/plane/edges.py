@@ -105,11 +105,33 @@ class PlaneEdges(EdgeData):
         """Errors of the range along a direction (2,) by the elements, and by states left out."""
         along = along_line(self.factors.ways.mean(axis=0)[number], direction)
         states = self.ranged(along)
-        missed = left_out(self.steps.whole.cycle, states, self.force)
         swing = cycle_range(along, states)
-        # Where bodies part, full stick has factors up to P = 0, with areas that are hardly known.
-        beyond = cycle_range(along, cycle_states(self.steps.whole.cycle)) - swing
-        return [*self._unresolved[number], missed * swing + float(np.nan_to_num(beyond))]
+        left = self._beside(number, along, states, swing)
+        return [*self._unresolved[number], left]
+
+    def _beside(self, number: int, along: Array, states: Indices, swing: float) -> float:
+        """Range of a factor (T,) that may lie in states of the cycle without edges.
+
+        Where bodies part nothing is left of K_T, and it counts from where they touch again: what it
+        is in the first state with edges, by their place there, is as much on flats, 4/3 of it on
+        cylinders and twice on wedges. In what they do just before they part they slide.
+        """
+        cycle, touching = cycle_states(self.steps.whole.cycle), self.steps.touching
+        if touching[cycle].all():
+            missed = left_out(self.steps.whole.cycle, states, self.force) * swing
+            # Full stick has factors up to P = 0, with areas that are hardly known.
+            return missed + float(np.nan_to_num(cycle_range(along, cycle) - swing))
+        touched = np.maximum.accumulate(np.where(touching, 0, np.arange(len(along))))
+        since = along - along[touched]
+        located = np.isfinite(self.fits[number].position) | ~touching
+        if not np.isfinite(since[cycle]).all():
+            begin = int(self.cycle[0])
+            shear = float(self.contact.mean_traction[begin, :, 1] @ self.contact.surface.weights)
+            first = abs(shear) / (math.pi * math.sqrt(2 * self.half_width[begin]))
+            proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
+            return max(proportional, 2 * first - abs(float(along[begin] - along[states[0]])))
+        first = abs(float(since[self.cycle[0]])) if touched[self.cycle[0]] in cycle else 0.0
+        return max(cycle_range(since, cycle[located[cycle]]) - swing, 0.0) + first
 
     @cached_property
     def _unresolved(self) -> list[list[float]]:
