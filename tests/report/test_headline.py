@@ -55,6 +55,31 @@ def test_a_sound_run_is_to_be_trusted() -> None:
     assert found.sliding == found.half == ""
 
 
+@pytest.mark.parametrize("count", [1, 2])
+def test_edges_where_nothing_slips_are_not_said_to_agree(count: int) -> None:
+    def still(station: Station) -> Station:
+        if station.front == "left" and count == 1:
+            return station
+        nothing = {"length": 0.0, "predicted": 0.0, "predicted_loop": 0.0, "spread": 0.01}
+        zones = (replace(zone, **nothing) for zone in station.slip_zones)
+        return replace(station, slip_zones=tuple(zones), k_range=0.1 * station.k_range / count)
+
+    found = headline(changed(still))
+    rest = f"At {count} of 2 edges nothing slips, as predicted."
+    slips = "At 1 of 1 edge the longest slip zone agrees with the prediction of the edge factors. "
+    assert found.agreement == (slips + rest if count == 1 else rest)
+    assert ("d 0.000 ± 0.010 mm (nothing slips, none predicted)" in found.worst) == (count == 2)
+
+
+def test_a_zone_without_a_formula_is_called_so() -> None:
+    def outside(station: Station) -> Station:
+        nothing = {"predicted": math.nan, "predicted_loop": math.nan}
+        zones = (replace(zone, **nothing) for zone in station.slip_zones)
+        return replace(station, slip_zones=tuple(zones))
+
+    assert "mm (without a prediction, no verdict)" in headline(changed(outside)).worst
+
+
 @pytest.mark.parametrize(
     ("doubt", "change"),
     [

@@ -136,8 +136,10 @@ def _compared(run: Result, station: Station, verdict: Verdict) -> str:
     zone = station.longest_zone
     assert zone is not None
     predicted = station.told_prediction(zone)
+    if _still(station):
+        return "nothing slips, none predicted"
     if math.isnan(predicted):
-        return f"nothing predicted, {verdict}"
+        return f"without a prediction, {verdict}"
     return f"predicted {number(predicted, 3)}: {verdict}"
 
 
@@ -214,8 +216,12 @@ def _agreement(run: Result) -> str:
     stations = [each for contact in run.contacts for each in contact.edges]
     if stations and all(each.friction == 0 for each in stations):
         return f"{len(stations)} {_what(run, len(stations))} without friction."
-    words = Counter(longest_verdict(each).verdict for each in stations)
+    still = sum(map(_still, stations))
+    words = Counter(longest_verdict(each).verdict for each in stations if not _still(each))
     del words[Verdict.NO_ZONE]
+    rest = f"At {still} of {len(stations)} {_what(run, len(stations))} nothing slips, as predicted."
+    if still and not words:
+        return rest
     if not words:
         unknown = not stations or any(each.lack.whole for each in stations)
         what = _what(run, len(stations))
@@ -225,7 +231,13 @@ def _agreement(run: Result) -> str:
     return (
         f"At {words[Verdict.AGREES]} of {words.total()} {what} the longest slip zone agrees with "
         f"the prediction of the edge factors{f' ({others})' if others else ''}."
+        f"{f' {rest}' if still else ''}"
     )
+
+
+def _still(station: Station) -> bool:
+    """True if nothing slips at a station in the cycle, and no formula has anything slip."""
+    return station.still and longest_verdict(station).verdict is Verdict.AGREES
 
 
 def _what(run: Result, count: int) -> str:
