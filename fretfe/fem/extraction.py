@@ -82,23 +82,43 @@ def add_integrals(
         tracks: of the fronts of solids; None in the plane.
         say: told how many of the integrals are done.
     """
-    common = _Common(model, recorder, march, solution)
+    moving = moving_state(solution) if tracks is None else _reference(solution, tracks)
+    common = _Common(model, recorder, march, solution, moving)
     draft: _Draft[Any] = _PlaneDraft(common) if tracks is None else _SolidDraft(common, tracks)
     draft.plan()
     return draft.finish(fields.integrals(draft.probes, draft.fields.requests, say))
 
 
 class _Common:
-    """A solved history, from which integrals of both dimensions are planned."""
+    """A solved history, from which integrals of both dimensions are planned.
 
-    def __init__(self, model: Model, recorder: Recorder, march: March, solution: Solution) -> None:
+    Args:
+        model: the bodies.
+        recorder: holds the solved states.
+        march: solved them.
+        solution: the same states in physical units.
+        moving: state around which loads are changed to see how edges move.
+    """
+
+    def __init__(
+        self, model: Model, recorder: Recorder, march: March, solution: Solution, moving: int
+    ) -> None:
         self.model, self.recorder, self.solution = model, recorder, solution
         self.fields = UnitFields(recorder)
         self.pairs = {pair.name: pair for pair in model.reduction.pairs}
-        self.moving = moving_state(solution) if model.dimension == 2 else recorder.count - 1
-        state = recorder.state(self.moving), recorder.loads[self.moving]
+        self.moving = moving
+        state = recorder.state(moving), recorder.loads[moving]
         self.nearby_loads = neighbour_states(march, *state)
         self.difference = self.fields.difference(*self.nearby_loads) if self.nearby_loads else None
+
+
+def _reference(solution: Solution, tracks: Tracks) -> int:
+    """State whose fronts have the stations of solids, which loads may move by a part of an element.
+
+    It is in the cycle, or the last one.
+    """
+    states = [track.state for each in tracks.values() for track in each]
+    return states[0] if states else moving_state(solution)
 
 
 Plan = TypeVar("Plan")
@@ -325,7 +345,8 @@ class _SolidDraft(_Draft["_Plan"]):
         self._fields_of: dict[int, tuple[int, ...]] = {}
 
     def _plan(self, contact: ContactHistory) -> _Plan | None:
-        return _plan(self._common.solution, contact, self._tracks.get(contact.name, ()))
+        tracks = self._tracks.get(contact.name, ())
+        return _plan(self._common.solution, contact, tracks, self._common.moving)
 
     def _of_state(self, state: int) -> tuple[int, ...]:
         """Numbers of the mean fields of areas around that of a state, one for each driver."""
@@ -377,7 +398,7 @@ class _SolidDraft(_Draft["_Plan"]):
             contact: the contact.
             plan: S states and n stations.
             values: for each front, S lists with (R, d, J) for each of its stations in the state
-                nearest to the last one, (1, d, J) in the others.
+                of `_Plan.last`, (1, d, J) in the others.
         """
         count = len(plan.states)
         states = [
@@ -406,7 +427,7 @@ class _SolidDraft(_Draft["_Plan"]):
         k_i = whole[..., Factor.K_I, drivers]
         k_i = np.where(np.isfinite(plan.positions[plan.last]), k_i, np.nan)
         pressure = np.array([self._mean_pressure(contact, each) for each in neighbours])
-        return integrals, NearbyLoads(pressure, k_i)
+        return integrals, NearbyLoads(pressure, k_i, self._common.moving)
 
     def _mean_pressure(self, contact: ContactHistory, state: ContactState) -> Array:
         """(N,) means around the nodes of a contact."""
@@ -423,7 +444,7 @@ class _Plan:
         states: (S,) their numbers.
         areas: (S,) numbers of their contact areas.
         positions: (S, n) of all stations, inward from the reference.
-        last: which of the areas is nearest to that of the last state.
+        last: which of the areas is nearest to that of the state around which loads are changed.
     """
 
     states: Indices
@@ -433,7 +454,7 @@ class _Plan:
 
 
 def _plan(
-    solution: Solution, contact: ContactHistory, tracks: Sequence[FrontTrack]
+    solution: Solution, contact: ContactHistory, tracks: Sequence[FrontTrack], moving: int
 ) -> _Plan | None:
     """States of the cycle with the smallest and largest area whose K_N is known, if any."""
     if not tracks:
@@ -454,7 +475,7 @@ def _plan(
     chosen = [int(np.argmin(sizes)), int(np.argmax(sizes))]
     if np.ptp(sizes) <= SAME_AREA * sizes.max():
         chosen = chosen[1:]
-    size = contact.nodes_pressed_in(np.array([len(solution.times) - 1]))
+    size = contact.nodes_pressed_in(np.array([moving]))
     last = int(np.argmin(np.abs(sizes[chosen] - size)))
     return _Plan(states[chosen], areas[chosen], places[chosen], last)
 

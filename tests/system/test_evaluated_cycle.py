@@ -7,10 +7,13 @@ import math
 from typing import Any
 
 import pytest
+from cases import cycled_sphere
+from cases.cycled_sphere import FORCE, FRICTION, LIMIT, SHARE
 from cases.pad_cases import HOLD, cylinder, pad, press, shear, wave
 
 import fretfe
 from fretfe.case import parse_case
+from fretfe.evaluate.contacts import Station
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise
 from fretfe.loads import CycleChoice
@@ -45,3 +48,35 @@ def test_what_follows_the_cycle_is_not_evaluated(name: str) -> None:
     assert told.startswith("Evaluated cycle: t = 2 to 3 s, ")
     assert ("given in [cycle]" in told) == (choice is CycleChoice.GIVEN)
     assert "(steps 13 to 20 of " in told and "behind it do not count" in told
+
+
+def sphere(down: list[dict[str, Any]]) -> tuple[Station, ...]:
+    """Stations of a coarse sphere under a cycle of Q, and then of what follows with Q = 0."""
+    load = SHARE * LIMIT
+    turns = [{"ramp": (-1) ** k * load, "until": 2.0 + k, "steps": 3} for k in range(3)]
+    tables = cycled_sphere.tables(FRICTION, shear=[HOLD, *turns])
+    tables["geometry"]["parameters"]["size"] = 0.14
+    loads = tables["loads"]
+    del loads["twist"]
+    loads["press"]["history"] += [{"hold": True, "until": 4.0}, *down]
+    loads["shear"]["history"] += [each | {"ramp": 0.0} for each in down]
+    result = fretfe.run(
+        parse_case(
+            tables | {"cycle": {"start": 2.0, "end": 4.0}, "output": {"fields": "none"}},
+        )
+    )
+    return result.contacts[0].stations
+
+
+@pytest.mark.slow
+def test_what_follows_the_cycle_moves_no_front() -> None:
+    """K_N by the movement of a solid's front, and all that it decides, are those of the cycle."""
+    plain = sphere([])
+    followed = sphere([{"ramp": -0.1 * FORCE, "until": 5.0, "steps": 3}])
+    moved = [each.k_n_moved for each in plain]
+    assert sum(math.isfinite(each) for each in moved) >= 0.9 * len(plain)
+    for one, other in zip(plain, followed, strict=True):
+        for name in ("k_n_moved", "k_n_moved_spread", "stiffening", "k_range", "k_range_spread"):
+            mine, theirs = getattr(one, name), getattr(other, name)
+            assert theirs == pytest.approx(mine, rel=1e-9, nan_ok=True), name
+        assert other.decisive_k_n == pytest.approx(one.decisive_k_n, rel=1e-9, nan_ok=True)

@@ -136,7 +136,7 @@ def _stiffening(frames: Frames, station: int, length: float, depth: float) -> fl
 def moved_stations(
     contact: ContactHistory, front: SpaceFront, stations: slice
 ) -> tuple[MovedEdge, ...]:
-    """K_N of the n stations of a front by its movement about the last state.
+    """K_N of the n stations of a front by its movement about a state.
 
     Args:
         contact: with its neighbouring loads.
@@ -152,7 +152,8 @@ def moved_stations(
     k_i = neighbours.k_i[:, stations]
     # The border of the nodes in contact is ragged at both loads; see `range_spread`.
     ragged = RAGGED * front.sizes / front.depth
-    return tuple(_moved(*each) for each in zip(near, outward, spread, k_i.T, ragged, strict=True))
+    moved = (_moved(*each) for each in zip(near, outward, spread, k_i.T, ragged, strict=True))
+    return tuple(replace(each, state=neighbours.state) for each in moved)
 
 
 def _moved(near: bool, outward: float, spread: float, k_i: Array, ragged: float) -> MovedEdge:

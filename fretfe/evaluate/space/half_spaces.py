@@ -194,8 +194,10 @@ def _ratio(found: Array, exact: Array) -> float:
 def _pressure(contact: ContactHistory, track: FrontTrack) -> float:
     """Mean of K_N over that of the change of P as the front moves between two loads."""
     neighbours, frames = contact.nearby_loads, track.front.frames
-    place, k_n = track.fit.place[-1], track.fit.k_n[-1]
-    if neighbours is None or not np.isfinite([place, k_n]).all():
+    if neighbours is None:
+        return np.nan
+    place, k_n = track.fit.place[neighbours.state], track.fit.k_n[neighbours.state]
+    if not np.isfinite([place, k_n]).all():
         return np.nan
     places = track.front.fits.fit(neighbours.pressure).place
     ellipse, outward = _ellipse(frames, place), places[0] - places[1]
