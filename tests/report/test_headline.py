@@ -60,8 +60,10 @@ def test_edges_where_nothing_slips_are_not_said_to_agree(count: int) -> None:
     def still(station: Station) -> Station:
         if station.front == "left" and count == 1:
             return station
-        nothing = {"length": 0.0, "predicted": 0.0, "predicted_loop": 0.0, "spread": 0.01}
-        zones = (replace(zone, **nothing) for zone in station.slip_zones)
+        zones = (
+            replace(zone, length=0.0, predicted=0.0, predicted_loop=0.0, spread=0.01)
+            for zone in station.slip_zones
+        )
         return replace(station, slip_zones=tuple(zones), k_range=0.1 * station.k_range / count)
 
     found = headline(changed(still))
@@ -73,8 +75,10 @@ def test_edges_where_nothing_slips_are_not_said_to_agree(count: int) -> None:
 
 def test_a_zone_without_a_formula_is_called_so() -> None:
     def outside(station: Station) -> Station:
-        nothing = {"predicted": math.nan, "predicted_loop": math.nan}
-        zones = (replace(zone, **nothing) for zone in station.slip_zones)
+        zones = (
+            replace(zone, predicted=math.nan, predicted_loop=math.nan)
+            for zone in station.slip_zones
+        )
         return replace(station, slip_zones=tuple(zones))
 
     assert "mm (without a prediction, no verdict)" in headline(changed(outside)).worst
