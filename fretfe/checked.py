@@ -86,18 +86,18 @@ class Checked:
         # Sections and extrusions have two fronts; other solids two, or one that is closed.
         fronts = len(self.pairs) * (2 if plane or self.case.geometry.solid else 1.5)
         stations = round(fronts * (1 if plane else along))
-        states = _field_states(self.case, steps)
+        states = _field_states(self.case, steps, len(self.history.times) - 1)
         size = self.definition.components
         return estimate_cost(
             self.mesh, self.case.model.degree, nodes, steps, stations, states, size
         )
 
 
-def _field_states(case: Case, steps: int) -> int:
-    """About how many states have fields that are written."""
+def _field_states(case: Case, steps: int, written: int) -> int:
+    """About how many states have fields that are written, of all steps and those as written."""
     wanted = case.output.fields
     if isinstance(wanted, str):
-        return min(steps, {"none": 0, "last": 1, "extremes": EXTREMES, "all": steps}[wanted])
+        return min(steps, {"none": 0, "last": 1, "extremes": EXTREMES, "all": 2 * written}[wanted])
     return len(wanted)
 
 

@@ -171,7 +171,7 @@ class Runner:
                 if known is not None:
                     return known
             options = self._stored(options, work, resume=resume)
-            if case.output.fields != "none":
+            if case.output.fields != "none" or case.edges.ends:
                 options = replace(options, fields=output / FIELDS)
             options = replace(options, stress=output / STRESSES)
             result = self.backend.solve(case, options)

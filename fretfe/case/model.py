@@ -374,9 +374,9 @@ class Case(Table):
         problems = cross_problems(
             self.bodies, self.contacts, self.supports, self.loads, self.symmetry, self.ties
         )
-        if self.edges.ends and not (self.geometry.solid and self.output.fields == "all"):
-            text = 'expected geometry.solid and output.fields = "all" with it, by which the parts '
-            problems.append(Problem(("edges", "ends"), text + "around ends are made and driven"))
+        if self.edges.ends and not self.geometry.solid:
+            text = "expected geometry.solid with it, of which the parts around ends are made"
+            problems.append(Problem(("edges", "ends"), text))
         if problems:
             raise Contradiction(problems)
         return self

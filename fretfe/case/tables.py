@@ -245,7 +245,7 @@ class Edges(Table):
     ends: bool = Field(
         default=False,
         description="Whether parts around the free end with the largest |ΔK| are solved after the "
-        'run, as by fretfe submodel --run. It takes geometry.solid and output.fields = "all".',
+        "run, as by fretfe submodel --run. It takes geometry.solid.",
     )
     reference_length: Positive | None = Field(
         default=None,

@@ -432,7 +432,7 @@ def submodel(
         write(load_result(results))
         return
     from fretfe.cli.progress import StepReport
-    from fretfe.report.page.ends import end_lines
+    from fretfe.report.page.ends import end_lines, end_table
     from fretfe.runner import Runner
 
     runner = Runner.find("fem")
@@ -441,6 +441,8 @@ def submodel(
     with StepReport(runner.processes.rank, steps=False) as shown:
         answer = runner.solve_end(results, write, length, shown)
     if runner.processes.rank == 0:
-        for line in end_lines(load_result(results), answer):
+        run = load_result(results)
+        for line in end_lines(run, answer):
             print(line)
+        print_whole(end_table(run, answer))
         print(folder / ANSWER)

@@ -184,6 +184,7 @@ def _silent(_: str) -> None:
 
 
 def _print_numbers(console: Console, result: Result) -> None:
+    from fretfe.report.page.ends import end_tables
     from fretfe.report.page.headline import headline
     from fretfe.report.page.tables import (
         contact_table,
@@ -208,6 +209,7 @@ def _print_numbers(console: Console, result: Result) -> None:
         shown("table of contacts", lambda: contact_table(result)),
         shown("table of edges", lambda: station_table(result)),
         shown("table of counted cycles", lambda: cycle_table(result)),
+        *(shown("tables of free ends", lambda: end_tables(result)) or ()),
         *(shown("table of meshes", lambda: refinement_tables(result.refinement)) or ()),
     ]
     for table in tables:

@@ -8,11 +8,12 @@ from pathlib import Path
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.errors import CaseError, OutputError
+from fretfe.loads import build_history, told_states
 from fretfe.mesh.part import seen
 from fretfe.quality.global_run import pressed_nodes
-from fretfe.results.field_files import FIELDS, FieldReader
+from fretfe.results.field_files import DISPLACEMENTS, FIELDS, FieldReader
 from fretfe.results.front_ends import FrontEnd
 from fretfe.results.model import Result
 
@@ -20,8 +21,13 @@ from fretfe.results.model import Result
 SAME_TIME = 1e-9
 
 
+def driving_states(result: Result) -> Indices:
+    """(n,) states of a run that drive a part: all but those of added cycles on the way."""
+    return told_states(result.loads, len(build_history(result.case).times) - 1)
+
+
 def require_fields(result: Result) -> Path:
-    """The folder of a result, which has displacements of all states.
+    """The folder of a result, or a file in it, with displacements of all states that drive a part.
 
     Raises:
         OutputError: says what is missing.
@@ -33,11 +39,14 @@ def require_fields(result: Result) -> Path:
             f"{where or result.case.source}: expected complete results, found {found}"
         )
     remedy = 'run the case with [output] fields = "all"'
+    if (own := where / DISPLACEMENTS).is_file():
+        return own
     if not (where / FIELDS).is_file():
         raise OutputError(
             f"{where}: expected the displacements of the run ({FIELDS}), found none: {remedy}"
         )
-    times, wanted = FieldReader(where / FIELDS).times, result.loads.times[1:]
+    times = FieldReader(where / FIELDS).times
+    wanted = result.loads.times[driving_states(result)]
     near = SAME_TIME * float(wanted[-1])
     missing = [time for time in wanted if not (np.abs(times - time) <= near).any()]
     if missing:

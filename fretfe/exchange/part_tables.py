@@ -89,9 +89,11 @@ def fine_at(
     data = deepcopy(data)
     # Plane problems say little there, and factors of more stations cost more than the steps.
     edges = data.setdefault("edges", {})
-    edges |= {"local": False, "stations": min(edges.get("stations", 20), 20)}
+    edges |= {"local": False, "stations": min(edges.get("stations", 16), 16)}
     edges.pop("ends", None)
     data.get("output", {}).pop("tractions", None)
+    if times > 1:  # nobody looks at the fields of a second level
+        data.setdefault("output", {})["fields"] = "none"
     if size[0]:
         _set(data, size[0], size[1] * times)
     solid, radius = data["geometry"]["solid"], data["geometry"]["part"]["radius"]

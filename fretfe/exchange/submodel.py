@@ -21,6 +21,7 @@ from fretfe.case import Case, parse_case
 from fretfe.case.base import CAD, file_kind
 from fretfe.errors import CaseError, OutputError
 from fretfe.exchange.part_place import (
+    driving_states,
     place_of,
     reach_of,
     require_fields,
@@ -210,8 +211,9 @@ def _history(result: Result, case: Case) -> str:
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow([TIME, POSITION, *(loads.channels[n] for n in kept)])
-    for time, values in zip(loads.times[1:], loads.values[1:], strict=True):
-        writer.writerow([repr(float(each)) for each in (time, time, *values[kept])])
+    for state in driving_states(result):
+        time, values = loads.times[state], loads.values[state, kept]
+        writer.writerow([repr(float(each)) for each in (time, time, *values)])
     return text.getvalue()
 
 

@@ -28,6 +28,8 @@ TOLERANCE = 1e-8
 NEWTON_STEPS = 12
 # Bytes of the displacements that are recovered together.
 MOST_BYTES = 1 << 26
+# Displacement and stress at the nodes of each element over the displacements of a body.
+OF_ELEMENTS = 8
 
 # Points (m, d) of a body, by contact and number of the body.
 Places = dict[tuple[str, int], tuple[str, Array]]
@@ -81,10 +83,13 @@ class FieldSource:
         """(m, k, 3) nodes of the elements of each body."""
         return self._lead.ask(Recovery.element_nodes)
 
-    def element_values(self, request: Request) -> dict[str, list[Array]]:
-        """Displacement and stress at the nodes of the elements, a list over the bodies each."""
-        (share,) = self._shares([request])
-        return self._lead.ask(partial(Recovery.element_values, share=share))
+    def element_values(
+        self, requests: Sequence[Request], stress: bool
+    ) -> list[dict[str, list[Array]]]:
+        """Displacement, and stress, at the nodes of the elements, a list over the bodies each."""
+        shares = self._shares(requests)
+        question = partial(Recovery.element_values, shares=shares, stress=stress)
+        return self._lead.ask(question)
 
     def _shares(self, requests: Sequence[Request]) -> list[Share]:
         return [self._model.share(each) for each in requests]
@@ -149,14 +154,22 @@ class Recovery:
         bodies = self._model.bodies
         return self._gather({name: body.elastic.element_nodes() for name, body in bodies.items()})
 
-    def element_values(self, share: Share) -> dict[str, list[Array]]:
-        """Displacement and stress at the nodes of the elements."""
-        (field,) = self._model.recover_fields([share])
+    def element_values(self, shares: Sequence[Share], stress: bool) -> list[dict[str, list[Array]]]:
+        """Displacement, and stress if wanted, at the nodes of the elements, for each share."""
+        fields = self._model.recover_fields(shares)
+        return [self._element_values(*each, stress) for each in zip(fields, shares, strict=True)]
+
+    def _element_values(
+        self, field: Mapping[str, fem.Function], share: Share, stress: bool
+    ) -> dict[str, list[Array]]:
         bodies = {name: (self._model.bodies[name].elastic, u) for name, u in field.items()}
         moved = self._gather({b: e.element_displacements(u) for b, (e, u) in bodies.items()})
-        initial = self._initial(share)
-        stress = {b: e.element_stresses(u, initial[b]) for b, (e, u) in bodies.items()}
-        return {"displacement": list(moved.values()), "stress": list(self._gather(stress).values())}
+        found = {"displacement": list(moved.values())}
+        if stress:
+            initial = self._initial(share)
+            own = {b: e.element_stresses(u, initial[b]) for b, (e, u) in bodies.items()}
+            found["stress"] = list(self._gather(own).values())
+        return found
 
     def _initial(self, share: Share) -> dict[str, fem.Function | None]:
         """Stress of the initial strain of each body of this rank's group."""
@@ -219,26 +232,34 @@ class FieldOutput:
     Args:
         fields: answers with them.
         path: file to write.
+        names: of the values, "displacement" and "stress".
 
     Raises:
         OutputError: if the file cannot be written; so does `add`.
     """
 
-    def __init__(self, fields: FieldSource, path: Path) -> None:
-        self._fields, self._path = fields, path
+    def __init__(self, fields: FieldSource, path: Path, names: Sequence[str]) -> None:
+        self._fields, self._path, self._stress = fields, path, "stress" in names
         nodes = fields.element_nodes()
         with writing(self._path, "the fields"):
-            self._writer = FieldWriter(path, nodes)
+            self._writer = FieldWriter(path, nodes, names)
+
+    @property
+    def states_at_once(self) -> int:
+        """Number of states to add together: at nodes of elements a field is larger."""
+        return max(self._fields.states_at_once() // OF_ELEMENTS, 1)
 
     def close(self) -> None:
         """Finish the file."""
         self._writer.close()
 
-    def add(self, time: float, request: Request) -> None:
-        """Append a state."""
-        values = self._fields.element_values(request)
-        with writing(self._path, "the fields"):
-            self._writer.add(time, values)
+    def add(self, times: Sequence[float], requests: Sequence[Request]) -> None:
+        """Append states, whose fields are recovered together."""
+        for time, values in zip(
+            times, self._fields.element_values(requests, self._stress), strict=True
+        ):
+            with writing(self._path, "the fields"):
+                self._writer.add(time, values)
 
 
 class StressPoints:

@@ -55,9 +55,10 @@ from fretfe.fem.stress_output import write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
 from fretfe.idealise.bodies import coupled_beta
-from fretfe.loads import AddedCycles, History, most_added
+from fretfe.loads import AddedCycles, History, most_added, told_states
 from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import Mesh, growth_inward
+from fretfe.results.field_files import COLUMNS, DISPLACEMENTS
 from fretfe.results.model import Result
 
 
@@ -173,6 +174,7 @@ class _Run:
     ) -> None:
         self._prepared, self._model, self._case = prepared, prepared.model, case
         self._history, self._options = history, options
+        self._written = len(history.times) - 1
         self._clock, self._fields = clock, fields
         self._recorder: Recorder
         self._solution: Solution
@@ -292,7 +294,13 @@ class _Run:
                 "stress near the contacts", partial(self._write_stress, self._options.stress)
             )
         if self._options.fields is not None:
-            notes += self._attempt("fields", partial(self._write_fields, self._options.fields))
+            path, every = self._options.fields, (*COLUMNS,)
+            notes += self._attempt(
+                "fields", partial(self._write_fields, path, self._field_states(), every)
+            )
+            if self._case.edges.ends and self._case.output.fields != "all":
+                arguments = path.with_name(DISPLACEMENTS), self._told_states(), every[:1]
+                notes += self._attempt("displacements", partial(self._write_fields, *arguments))
         return notes
 
     def _attempt(self, phase: str, write: Callable[[], tuple[str, ...]]) -> tuple[str, ...]:
@@ -320,21 +328,27 @@ class _Run:
             return (str(error),)
         return ()
 
-    def _write_fields(self, path: Path) -> tuple[str, ...]:
-        states = self._field_states()
+    def _write_fields(
+        self, path: Path, states: list[int], names: tuple[str, ...]
+    ) -> tuple[str, ...]:
         if not states:
             return ()
         try:
-            with closing(FieldOutput(self._fields, path)) as output:
-                for number, state in enumerate(states, start=1):
-                    self._options.doing(f"fields: state {number} of {len(states)}")
-                    (request,) = state_requests(self._recorder, [state])
-                    output.add(float(self._history.times[state]), request)
+            with closing(FieldOutput(self._fields, path, names)) as output:
+                at_once = output.states_at_once
+                for first in range(0, len(states), at_once):
+                    some = states[first : first + at_once]
+                    self._options.doing(f"fields: state {first + len(some)} of {len(states)}")
+                    times = self._history.times[some].tolist()
+                    output.add(times, state_requests(self._recorder, some))
         except OutputError as error:
             with suppress(OSError):  # one that cannot be removed stays
                 path.unlink(missing_ok=True)
             return (str(error),)
         return ()
+
+    def _told_states(self) -> list[int]:
+        return [int(each) for each in told_states(self._history, self._written)]
 
     def _field_states(self) -> list[int]:
         """Solved states whose fields the case asks for."""
@@ -343,7 +357,7 @@ class _Run:
         if wanted == "none":
             return []
         if wanted == "all":
-            return list(solved)
+            return self._told_states()
         if wanted == "last":
             return list(solved[-1:])
         if wanted == "extremes":

@@ -3,7 +3,15 @@
 
 from __future__ import annotations
 
-from fretfe.loads.added import AddedCycles, cycle_words, most_added
+from fretfe.loads.added import AddedCycles, cycle_words, most_added, told_states
 from fretfe.loads.history import CycleChoice, History, build_history
 
-__all__ = ["AddedCycles", "CycleChoice", "History", "build_history", "cycle_words", "most_added"]
+__all__ = [
+    "AddedCycles",
+    "CycleChoice",
+    "History",
+    "build_history",
+    "cycle_words",
+    "most_added",
+    "told_states",
+]

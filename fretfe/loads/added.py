@@ -3,6 +3,9 @@
 
 from __future__ import annotations
 
+import numpy as np
+
+from fretfe._typing import Indices
 from fretfe.case import Case, Wave
 from fretfe.loads.history import CycleChoice, History
 
@@ -64,6 +67,19 @@ def most_added(case: Case, history: History, dimension: int) -> int:
         return 0
     waves = (isinstance(load.history[-1], Wave) for load in case.loads.values())
     return case.cycle.most_more if history.returns and any(waves) else 0
+
+
+def told_states(loads: History, written: int) -> Indices:
+    """(n,) solved states of the loads as written, and those of the evaluated cycle.
+
+    Cycles that were added between them are steps on the way to it, and no more.
+
+    Args:
+        loads: that were solved.
+        written: last step of the loads as written.
+    """
+    states, (first, last) = np.arange(1, len(loads.times)), loads.evaluated
+    return states[(states <= written) | ((states >= first) & (states <= last))]
 
 
 def cycle_words(loads: History, unit: str) -> str:

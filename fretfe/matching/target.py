@@ -16,6 +16,7 @@ from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.idealise.bodies import SIMILAR
+from fretfe.quality.ends import beside_end
 from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.
@@ -158,7 +159,7 @@ def read_target(result: Result, edge: str) -> Target:
                 station.front,
                 (
                     *_warnings(contact, station, in_step, k_i_range * station.friction / k_t_range),
-                    *_at_end(front, station),
+                    *_at_end(result, front, station),
                 ),
             ),
         ),
@@ -253,9 +254,10 @@ def _warnings(
         )
 
 
-def _at_end(front: Front, station: Station) -> Iterator[tuple[Kind, str]]:
+def _at_end(result: Result, front: Front, station: Station) -> Iterator[tuple[Kind, str]]:
     """Range of factors along a front at a free end, for which no plane test stands."""
-    if not station.end:
+    beside = beside_end(result, station)
+    if not beside:
         return
     places, ranges = front.along("arc"), front.along("reported_range")
     near = np.abs(places - station.arc) < NEIGHBOURS * front.length / len(places)
@@ -263,9 +265,9 @@ def _at_end(front: Front, station: Station) -> Iterator[tuple[Kind, str]]:
     low, high = (f"{each:.3g}" for each in (reported.min(), reported.max()))
     yield (
         Kind.TARGET_AT_END,
-        f"a free end is {station.to_end:.3g} away, and |ΔK| is {low} to {high} at this station "
-        "and its neighbours: a plane test has the same along its whole edge, and no corner; it "
-        "does not stand for slip along the front, nor for cracks that begin at the corner",
+        f"{beside}, and |ΔK| is {low} to {high} at this station and its neighbours: a plane test "
+        "has the same along its whole edge, and no corner; it does not stand for slip along the "
+        "front, nor for cracks that begin at the corner",
     )
 
 

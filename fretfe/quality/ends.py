@@ -19,11 +19,19 @@ from typing import Annotated
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.errors import ModelError, OutputError
-from fretfe.evaluate.contacts import Quantity, quantities
+from fretfe.evaluate.contacts import Quantity, Station, quantities
 from fretfe.files import json_value, replace_text, writing
-from fretfe.results.front_ends import FrontEnd, end_near, find_end, known_ranges, known_stations
+from fretfe.report.texts import with_error
+from fretfe.results.front_ends import (
+    FrontEnd,
+    end_beside,
+    end_near,
+    find_end,
+    known_ranges,
+    known_stations,
+)
 from fretfe.results.model import Result
 from fretfe.results.reader import restored
 from fretfe.results.writer import ANSWER, ENDS
@@ -40,7 +48,7 @@ class Rows:
 
     distance: Annotated[Array, Quantity("length", "from the free end, along the front")]
     work: Annotated[Array, Quantity("work per length", "friction work per length of the front")]
-    slip_range: Annotated[Array, Quantity("length", "largest range of slip")]
+    slip_range: Annotated[Array, Quantity("length", "largest range of slip, at the edge too")]
     density: Annotated[Array, Quantity("density", "largest friction work per area")]
     pressure: Annotated[Array, Quantity("stress", "largest pressure")]
     shear: Annotated[Array, Quantity("stress", "largest shear")]
@@ -179,6 +187,24 @@ def read_answers(run: Result) -> list[EndAnswer]:
     """
     found = sorted((run.directory / ENDS).glob(f"*/{ANSWER}")) if run.directory else []
     return [_read(path) for path in found]
+
+
+def beside_end(run: Result, station: Station) -> str:
+    """Place of a station near a free end, and |ΔK| by sub-models there; empty farther away."""
+    end = end_beside(run, station)
+    if end is None:
+        return f"a free end is {station.to_end:.3g} away" if station.end else ""
+    return f"the free end {end.name} is {station.to_end:.3g} away{nearest_range(run, end)}"
+
+
+def nearest_range(run: Result, end: FrontEnd) -> str:
+    """|ΔK| nearest to an end by its sub-models, in words; empty if there are none."""
+    found = (each for each in read_answers(run) if each.name == end.name and len(each.distance))
+    return "".join(
+        f" (by its sub-models |ΔK| is {with_error(each.k_range[0], each.k_range_spread[0])} "
+        f"{run.unit('k_t')} {each.distance[0]:.3g} {run.case.units.length} from it)"
+        for each in found
+    )
 
 
 def _read(path: Path) -> EndAnswer:
@@ -320,9 +346,10 @@ def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
     between = np.diff(distance) / 2
     thickness = np.append(between, 0.0) + np.append(0.0, between)
     work = np.bincount(row, found.work[near] * history.surface.weights[near]) / thickness
+    place = (away @ end.station.frame.inward)[near] - _edge_at(end, height[near])
     values = [
         work,
-        largest(found.slip_range[near]),
+        slip_at_edge(place, row, found.slip_range[near], len(distance)),
         largest(found.work[near]),
         largest(pressure.max(axis=0)),
         largest(shear.max(axis=0)),
@@ -331,6 +358,40 @@ def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:
     kept = distance <= inner
     # The first row lies on the free end.
     return Rows(distance[kept] - distance[0], *(each[kept] for each in values))
+
+
+def _edge_at(end: FrontEnd, distance: Array) -> Array:
+    """(n,) places of a front across it, inward from its end, at distances (n,) along it."""
+    places = [each.point - end.point for each in end.front.stations]
+    across = np.array(places) @ end.station.frame.inward
+    order = np.argsort(end.distance)
+    known = np.append(0.0, end.distance[order]), np.append(0.0, across[order])
+    return np.interp(distance, *known)
+
+
+def slip_at_edge(place: Array, row: Indices, slip: Array, rows: int) -> Array:
+    """(rows,) largest range of slip of the nodes of each row, and at its edge.
+
+    Slip grows like the power 3/2 of the distance from where nodes stick, and fastest at the edge,
+    which lies up to an element outside of the last node: a straight line of its power 2/3 through
+    the last two nodes goes there.
+
+    Args:
+        place: (n,) of nodes, inward from the edge.
+        row: (n,) of them.
+        slip: (n,) ranges; 0 at nodes that never touch.
+        rows: their number.
+    """
+    found = np.zeros(rows)
+    np.maximum.at(found, row, slip)
+    for number in range(rows):
+        own = np.flatnonzero((row == number) & (slip > 0))
+        last = own[np.argsort(place[own])][:2]
+        if len(last) == 2 and place[last[1]] > place[last[0]] > 0:
+            (x, inner), (s, less) = place[last], slip[last] ** (2 / 3)
+            at_edge = s + (s - less) * x / (inner - x)
+            found[number] = max(found[number], max(at_edge, 0.0) ** 1.5)
+    return found
 
 
 def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:

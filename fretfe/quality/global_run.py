@@ -27,7 +27,7 @@ from fretfe.mesh.elements import KINDS, shape_values
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.mesh.part import cut_name, seen
 from fretfe.quality.rows import Place, Row
-from fretfe.results.field_files import FIELDS
+from fretfe.results.field_files import DISPLACEMENTS, FIELDS
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.surface.surface import normal_vectors
@@ -316,7 +316,8 @@ def carried_notes(result: Result) -> Iterator[str]:
 def followed_notes(result: Result) -> Iterator[str]:
     """Difference that another program makes where it follows the deformed surfaces, in words."""
     case, histories = result.case, result.solution.contacts
-    if not all(case.resolve(each.file).is_dir() for each in case.cut_loads.values()):
+    files = [case.resolve(each.file) for each in case.cut_loads.values()]
+    if not all(each.is_dir() or each.name in (FIELDS, DISPLACEMENTS) for each in files):
         bodies, plane = case.bodies, case.model.plane
         yield from surface_notes(bodies, plane, histories, result.contacts, result.limits)
 

@@ -41,6 +41,8 @@ SERIES_CHUNK = 128
 SURFACES = "contacts.hdf"
 # PyVista before 0.45 knows the format by this ending only.
 FIELDS = "fields.hdf"
+# Displacements alone, of the states that drive parts around free ends.
+DISPLACEMENTS = "displacements.hdf"
 # VTK's number of a cell, by dimension and number of nodes.
 CELL_TYPES = {
     (2, 3): 5, (2, 4): 9, (2, 6): 22, (2, 9): 28,
@@ -257,13 +259,17 @@ class FieldWriter(GridWriter):
         path: file to write.
         nodes: (m, k, d) by body: places of the k nodes of each of m elements, in VTK's order;
             exactly the same place for a node that elements share.
+        names: of the values; without any both.
 
     Raises:
         OSError: if the file cannot be written; so do all methods.
     """
 
-    def __init__(self, path: Path, nodes: Mapping[str, Array]) -> None:
-        super().__init__(path, {name: _part(each) for name, each in nodes.items()}, "body", COLUMNS)
+    def __init__(
+        self, path: Path, nodes: Mapping[str, Array], names: Sequence[str] = tuple(COLUMNS)
+    ) -> None:
+        parts = {body: _part(each) for body, each in nodes.items()}
+        super().__init__(path, parts, "body", {name: COLUMNS[name] for name in names})
 
 
 def _part(nodes: Array) -> Part:

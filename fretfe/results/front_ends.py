@@ -84,6 +84,19 @@ def end_near(result: Result, point: Array) -> FrontEnd | None:
     return min(ends, key=lambda each: float(np.linalg.norm(each.point - point)), default=None)
 
 
+def end_beside(result: Result, station: Station) -> FrontEnd | None:
+    """The free end of the front of a station that is no farther away than its contact is deep.
+
+    So near to an end a front differs from that of a section; None farther away.
+    """
+    if not station.to_end <= station.depth:
+        return None
+    ends = (
+        each for each in free_ends(result) if any(own is station for own in each.front.stations)
+    )
+    return min(ends, key=lambda each: float(np.linalg.norm(each.point - station.point)))
+
+
 def worst_end(result: Result) -> FrontEnd | None:
     """The free end with the largest |ΔK| at the nearest station that has one; None without any."""
     known = [(each, stations) for each in free_ends(result) if (stations := known_stations(each))]

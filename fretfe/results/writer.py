@@ -36,7 +36,7 @@ from fretfe.files import make_folder, replace_text, replacing, require_writable,
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.history.state_array import StateArray, states_in_block
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.results.field_files import FIELDS, SURFACES, write_surfaces
+from fretfe.results.field_files import DISPLACEMENTS, FIELDS, SURFACES, write_surfaces
 from fretfe.results.hdf5_file import STRESSES, new_hdf5, room, store
 from fretfe.results.model import Result
 from fretfe.results.run_folder import MARK, with_digest
@@ -66,6 +66,7 @@ RESULT_FILES = (
     STATIONS_FILE,
     CYCLES_FILE,
     FIELDS,
+    DISPLACEMENTS,
     STRESSES,
     REPORT,
     FAULTS,

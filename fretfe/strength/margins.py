@@ -14,6 +14,7 @@ from fretfe._typing import Array, Bools
 from fretfe.case import AnyBody, isotropic
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
+from fretfe.quality.ends import beside_end
 from fretfe.report.texts import number, rounded
 from fretfe.results.model import Result
 from fretfe.strength.fit import SAME, LifeFit, fit_life
@@ -100,17 +101,17 @@ def _edges(result: Result, label: str) -> Iterator[ComponentEdge]:
     for contact in result.contacts:
         for front in contact.fronts:
             for station in front.defined:
-                yield _edge(result, label, contact, station, list(_remarks(station)))
+                yield _edge(result, label, contact, station, list(_remarks(result, station)))
 
 
-def _remarks(station: Station) -> Iterator[str]:
+def _remarks(result: Result, station: Station) -> Iterator[str]:
     if station.cycles.irregular:
         yield (
             "the loads are irregular: judged is the range over the whole cycle, other counted "
             "cycles do no damage here"
         )
-    if station.end:
-        yield f"a free end is {station.to_end:.3g} away, which the tests have not"
+    if beside := beside_end(result, station):
+        yield f"{beside}, which the tests have not"
     if station.turning > SMALL:
         yield f"(K_T, K_S) turns: the range across its direction is {station.turning:.0%}"
 

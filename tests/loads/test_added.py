@@ -12,7 +12,14 @@ import numpy as np
 import pytest
 
 from fretfe.case import Case, parse_case
-from fretfe.loads import AddedCycles, CycleChoice, History, build_history, most_added
+from fretfe.loads import (
+    AddedCycles,
+    CycleChoice,
+    History,
+    build_history,
+    most_added,
+    told_states,
+)
 
 TABLES = tomllib.loads("""
     geometry.file = "m.msh"
@@ -167,3 +174,17 @@ def test_a_cycle_that_is_given_is_the_one(start: float, end: float) -> None:
     found = AddedCycles(written, 0).solved(len(written.times) - 1)
     assert evaluated(found) == pytest.approx((start, end), abs=1e-9)
     assert found.choice is CycleChoice.GIVEN
+
+
+def test_added_cycles_on_the_way_do_not_count() -> None:
+    """Two waves of four steps behind a ramp of two; of three added ones the last is evaluated."""
+    ramp = {"ramp": 0.0, "until": 1.0, "steps": 2}
+    wave = {"wave": "sine", "amplitude": 1.0, "period": 1.0, "cycles": 2, "steps_per_cycle": 4}
+    load = {"type": "traction", "boundary": "s", "direction": "x", "history": [ramp, wave]}
+    written = build_history(parse_case({**TABLES, "loads": {"l": load}}))
+    last = len(written.times) - 1
+    assert last == 10
+    np.testing.assert_array_equal(told_states(written, last), range(1, 11))
+    solved = written.prolonged(3).until(22, 3)
+    assert solved.cycle == (18, 22)
+    np.testing.assert_array_equal(told_states(solved, last), [*range(1, 11), *range(18, 23)])

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.quality.ends import Level, Meeting, Rows, number_at
+from fretfe.quality.ends import Level, Meeting, Rows, number_at, slip_at_edge
 
 
 def rows(distance: Array, values: Array) -> Rows:
@@ -88,3 +88,15 @@ def test_without_stations_there_are_no_ranges() -> None:
     none = Level(level(0.1, 0.0), *np.zeros((3, 0)))
     assert not len(known(0.05, np.linspace(0.2, 1.0, 9), 0.0).with_bars(none).distance)
     assert not len(none.with_bars(none).distance)
+
+
+def test_slip_is_taken_to_the_edge_of_each_row() -> None:
+    """Of a zone of .1 whose nodes lie anywhere next to the edge, in two rows in any order."""
+    place = np.array([0.045, -0.02, 0.02, 0.13, 0.01, 0.035, -0.015, 0.06])
+    row = np.array([0, 0, 0, 0, 1, 1, 1, 1])
+    slip = np.where(place > 0, 3e-3 * np.maximum(1 - place / 0.1, 0.0) ** 1.5, 0.0)
+    np.testing.assert_allclose(slip_at_edge(place, row, slip, 2), 3e-3, rtol=1e-9)
+    # A row that slides as a whole, one with a single node, one that nowhere slips.
+    whole = slip_at_edge(place, row, np.where(place > 0, 2e-3, 0.0), 3)
+    np.testing.assert_allclose(whole, [2e-3, 2e-3, 0.0])
+    np.testing.assert_allclose(slip_at_edge(place[2:3], row[:1], slip[2:3], 1), slip[2])

@@ -11,7 +11,7 @@ import pytest
 from cases.solid_runs import stationed_sphere
 
 from fretfe.errors import CaseError
-from fretfe.results.front_ends import end_near, find_end, free_ends, known_ranges
+from fretfe.results.front_ends import end_beside, end_near, find_end, free_ends, known_ranges
 from fretfe.results.model import Result
 
 LENGTH = 3.0
@@ -78,3 +78,14 @@ def test_what_is_no_free_end() -> None:
     assert end_near(closed, np.zeros(3)) is None
     with pytest.raises(CaseError, match=r"free ends \(none\)"):
         find_end(closed, "main.1.start")
+
+
+def test_stations_beside_an_end_are_no_farther_than_their_contact_is_deep() -> None:
+    result = straight(mirrored=False)
+    (front,) = result.contacts[0].fronts
+    depth = front.stations[0].depth
+    found = [end_beside(result, each) for each in front.stations]
+    near = [each.to_end <= depth for each in front.stations]
+    assert [each is not None for each in found] == near and any(near)
+    assert found[0] is not None and found[0].name == "main.1.start"
+    assert found[-1] is not None and found[-1].name == "main.1.end"

@@ -1,18 +1,22 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Free ends of fronts of solids by the sub-models around them, in words."""
+"""Free ends of fronts of solids by the sub-models around them, in words and tables."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 from fretfe.mesh.mesh import place_text
-from fretfe.quality.ends import NUMBERS, EndAnswer, EndNumber
-from fretfe.report.texts import with_error
+from fretfe.quality.ends import NUMBERS, EndAnswer, read_answers
+from fretfe.report.texts import MISSING, plain_table, with_error
 from fretfe.results.model import Result
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 
 def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
-    """Numbers at a free end, in words."""
+    """|ΔK| near a free end, in words, and whether it meets that of the run."""
     length = run.unit("length")
     place = f"Free end {answer.name} at {place_text(answer.point)} {length}, by sub-models:"
     chosen = range(0, len(answer.distance), max(len(answer.distance) // 3, 1))
@@ -28,8 +32,6 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
         yield f"{place} |ΔK| is {known} {length} from it [{run.unit('k_t')}]{grows}."
     else:
         yield f"{place} |ΔK| means nothing in the part, which is within a local length of its ends."
-    texts = "; ".join(_number_text(run, each) for each in answer.numbers)
-    yield f"Nodes on the last {answer.length:g} {length} of the front: {texts}."
     if answer.meetings:
         met = answer.meetings[0]
         yield (
@@ -41,15 +43,25 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
         yield "No station of the run is near enough to that end to be compared."
 
 
-def _number_text(run: Result, found: EndNumber) -> str:
-    declared = NUMBERS[found.name]
-    unit = run.unit(declared.kind)
-    mean = f"mean {with_error(found.mean, found.mean_spread)}"
-    if found.grows:
-        power = _power(found.exponent, found.exponent_spread)
-        return f"{declared.meaning} {mean} {unit}, growing {power}".replace("  ", " ")
-    largest = with_error(found.largest, found.largest_spread)
-    return f"{declared.meaning} {largest} {unit}, {mean}".replace(" ,", ",")
+def end_tables(run: Result) -> list[Table]:
+    """Numbers of the nodes next to each free end of a run that has sub-models."""
+    return [end_table(run, answer) for answer in read_answers(run)]
+
+
+def end_table(run: Result, answer: EndAnswer) -> Table:
+    """Numbers of the nodes next to a free end; none is largest where it grows like a power."""
+    title = f"Nodes on the last {answer.length:g} {run.unit('length')} of {answer.name}"
+    table = plain_table(title, ("", "unit", "largest", "mean", "grows"), text=2)
+    for each in answer.numbers:
+        declared = NUMBERS[each.name]
+        table.add_row(
+            declared.meaning,
+            run.unit(declared.kind),
+            MISSING if each.grows else with_error(each.largest, each.largest_spread),
+            with_error(each.mean, each.mean_spread),
+            _power(each.exponent, each.exponent_spread) if each.grows else "",
+        )
+    return table
 
 
 def _power(exponent: float, spread: float) -> str:

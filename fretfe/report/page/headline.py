@@ -12,8 +12,10 @@ from fretfe.caution import Kind
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
+from fretfe.quality.ends import nearest_range
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import number, percent, with_error
+from fretfe.results.front_ends import end_beside
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE
 from fretfe.verdict import Verdict
@@ -107,7 +109,9 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     elif zone is not None:
         found = _known(with_error(*zone.told), run.unit("length"))
         texts.append(f"d {found}{_counted_from(station)} ({_compared(run, station, verdict)})")
-    return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}."
+    end = end_beside(run, station)
+    near = "" if end is None else nearest_range(run, end)
+    return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}{near}."
 
 
 def _counted_from(station: Station) -> str:
@@ -148,7 +152,10 @@ def _place(run: Result, contact: Contact, station: Station) -> str:
     if not contact.solid:
         x = number(float(station.position[station.decisive]))
         return f"{contact.name}, {station.front} edge, x = {x} {unit}"
-    return f"station {contact.name_of(station)}, {number(station.arc, 3)} {unit} along the front"
+    name, end = contact.name_of(station), end_beside(run, station)
+    if end is None:
+        return f"station {name}, {number(station.arc, 3)} {unit} along the front"
+    return f"station {name}, {number(station.to_end, 3)} {unit} from the free end {end.name}"
 
 
 def _trust(run: Result, contact: Contact, station: Station) -> str:

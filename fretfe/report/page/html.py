@@ -27,6 +27,7 @@ from fretfe.quality.ends import read_answers
 from fretfe.quality.rows import Row, own_rows
 from fretfe.report.figures import edges, history, solver, tractions
 from fretfe.report.page.bodies import body_table, pair_table
+from fretfe.report.page.ends import end_tables
 from fretfe.report.page.glossary import Glossary, subscripts
 from fretfe.report.page.tables import (
     contact_table,
@@ -319,6 +320,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         contacts=_table("table of contacts", lambda: contact_table(run)),
         cycles=_table("table of counted cycles", lambda: cycle_table(run)),
         fronts=_table("table of fronts", lambda: station_table(run)) if run.solid else None,
+        ends=guarded("tables of free ends", lambda: end_tables(run), lambda _: []),
         works=[
             f"{contact.name} {_work_words(contact)}"
             for contact in run.contacts
