@@ -412,7 +412,8 @@ class Output(Table):
         default="extremes",
         description="Steps whose fields are written, for pictures and ParaView: "
         '"extremes" (the two load extremes of the evaluated cycle, and the last step), "last", '
-        '"none", "all" or a list of times, each the time of a step.',
+        '"none", "all" (of added cycles the evaluated one alone) or a list of times, each the time '
+        "of a step.",
     )
     stress_depths: Annotated[
         tuple[NotNegative, ...], Field(max_length=MOST_DEPTHS), AfterValidator(_increasing)

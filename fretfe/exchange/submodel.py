@@ -105,7 +105,7 @@ def write_submodel(
         radius: of the part; None for three times the distance of the edges from the middle, around
             a free end for `radius_at`.
         size: of the elements at contact edges; None for a quarter of those of the run, around a
-            free end for half of them.
+            free end for 1/1.4 of them.
         trust_geo: whether a .geo file of the case may run.
 
     Raises:
@@ -125,7 +125,7 @@ def write_submodel(
     if wanted is None:
         wanted = FAR * distance if end is None else radius_at(end)
     require_one_contact(result, name, centre, wanted)
-    tables, known_size = finer_tables(result, size, 4.0 if end is None else 2.0)
+    tables, known_size = finer_tables(result, size, 4.0 if end is None else 1.4)
     pair = result.contact_history(name).pair
     tables["geometry"]["part"] = {"centre": list(centre), "radius": float(wanted)}
     tables["contacts"] = {pair: tables["contacts"][pair]}

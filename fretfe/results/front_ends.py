@@ -94,7 +94,9 @@ def end_beside(result: Result, station: Station) -> FrontEnd | None:
     ends = (
         each for each in free_ends(result) if any(own is station for own in each.front.stations)
     )
-    return min(ends, key=lambda each: float(np.linalg.norm(each.point - station.point)))
+    return min(
+        ends, key=lambda each: float(np.linalg.norm(each.point - station.point)), default=None
+    )
 
 
 def worst_end(result: Result) -> FrontEnd | None:

@@ -43,6 +43,7 @@ SECTIONS = {
         "templates",
         "geometry",
         "solids",
+        "ends",
         "refinement",
         "mesh",
     ),
