@@ -393,7 +393,7 @@ def submodel(
         float | None,
         typer.Option(
             help="Size of the elements at contact edges.",
-            show_default="a quarter of the run's, at a free end half",
+            show_default="a quarter of the run's, at a free end half or 1/1.4",
         ),
     ] = None,
     solve: Annotated[

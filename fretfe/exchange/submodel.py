@@ -105,7 +105,7 @@ def write_submodel(
         radius: of the part; None for three times the distance of the edges from the middle, around
             a free end for `radius_at`.
         size: of the elements at contact edges; None for a quarter of those of the run, around a
-            free end for 1/1.4 of them.
+            free end for those over `finer_at`.
         trust_geo: whether a .geo file of the case may run.
 
     Raises:
@@ -125,7 +125,7 @@ def write_submodel(
     if wanted is None:
         wanted = FAR * distance if end is None else radius_at(end)
     require_one_contact(result, name, centre, wanted)
-    tables, known_size = finer_tables(result, size, 4.0 if end is None else 1.4)
+    tables, known_size = finer_tables(result, size, 4.0 if end is None else finer_at(end))
     pair = result.contact_history(name).pair
     tables["geometry"]["part"] = {"centre": list(centre), "radius": float(wanted)}
     tables["contacts"] = {pair: tables["contacts"][pair]}
@@ -153,6 +153,14 @@ def radius_at(end: FrontEnd) -> float:
     """
     station = end.station
     return float(f"{max(station.depth, 2 * min(station.depth, station.length)):.3g}")
+
+
+def finer_at(end: FrontEnd) -> float:
+    """Elements of a run over those of the part around a free end.
+
+    Those of the second level are twice as long: a contact of few elements would have no front.
+    """
+    return 1.4 if end.station.depth > 2 * FEW * end.station.size else 2.0
 
 
 def _part(result: Result, tables: dict[str, Any], reach: float, *, trust_geo: bool) -> Mesh:

@@ -33,6 +33,9 @@ from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
 from fretfe.surface.surface import tangent_frames
 
+# Length of a straight front.
+LENGTH = 3.0
+
 FRICTION, RADIUS, PEAK, SHEAR = 0.4, 1.0, 300.0, 0.6
 # P of Hertz's pressure.
 NORMAL = 2 * np.pi * RADIUS**2 * PEAK / 3
@@ -220,6 +223,32 @@ def stationed_sphere() -> Result:
     (area,) = result.contacts
     fronts = evaluate_fronts(result.solution, contact, tracks)
     return replace(result, contacts=(replace(area, fronts=fronts),))
+
+
+def straight(*, mirrored: bool) -> Result:
+    """A straight front of length 3 along x with 12 stations; the bodies go on at its end or not."""
+    result = stationed_sphere()
+    (contact,) = result.contacts
+    (front,) = contact.fronts
+    arcs = (np.arange(12) + 0.5) * LENGTH / 12
+    stations = []
+    for station, arc in zip(front.stations, arcs, strict=True):
+        frame = replace(station.frame, along=np.array([1.0, 0.0, 0.0]))
+        to_end = arc if mirrored else min(arc, LENGTH - arc)
+        stations.append(
+            replace(
+                station,
+                frame=frame,
+                point=np.array([arc, 0.0, 0.0]),
+                arc=arc,
+                to_end=to_end,
+                end=to_end < 0.5,
+                k_range=10.0 - arc,
+                k_range_spread=0.1,
+            )
+        )
+    opened = replace(front, stations=tuple(stations), closed=False, length=LENGTH)
+    return replace(result, contacts=(replace(contact, fronts=(opened,)),))
 
 
 def with_stations(result: Result, change: Callable[[Station], Station]) -> Result:

@@ -6,17 +6,23 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
+from pathlib import Path
 
+import numpy as np
 import pytest
+from cases.solid_runs import straight
 from cases.stored_runs import solved
 
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.withheld import Lack, Withheld
+from fretfe.quality.ends import EndAnswer, write_answer
 from fretfe.report.page.headline import headline
 from fretfe.report.texts import number, with_error
+from fretfe.results.front_ends import find_end
 from fretfe.results.model import Result
+from fretfe.results.writer import ENDS
 
 
 def changed(change: Callable[[Station], Station], **of_contact: object) -> Result:
@@ -157,3 +163,23 @@ def test_nothing_known_has_its_reason() -> None:
     )
     assert found.worst.startswith("No edge has a known K_N or range of K_T (main.left: ")
     assert "the tractions of full stick cannot be told" in found.worst and found.trust == ""
+
+
+def test_a_worst_station_beside_an_end_names_it(tmp_path: Path) -> None:
+    """With |ΔK| by the sub-models of that end, if it has some."""
+    result = straight(mirrored=False)
+    first = headline(result).worst
+    assert first.startswith("Worst: station main.1.1, 0.375 mm from the free end main.1.start: K_N")
+    assert "by its sub-models" not in first
+    end = find_end(result, "main.1.start")
+    assert end is not None
+    near, none = np.array([0.2, 0.4]), ()
+    found = EndAnswer(end.name, end.point, near, 30 - near, near, near, 0.1, 0.01, 0.3, none, none)
+    folder = tmp_path / ENDS / end.name
+    folder.mkdir(parents=True)
+    write_answer(result, found, folder)
+    told = headline(replace(result, directory=tmp_path)).worst
+    assert told.endswith(" (by its sub-models |ΔK| is 29.80 ± 0.20 MPa·√mm 0.2 mm from it).")
+    other = replace(found, name="main.1.end")
+    write_answer(result, other, folder)
+    assert headline(replace(result, directory=tmp_path)).worst == first

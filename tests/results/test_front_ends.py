@@ -4,43 +4,13 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases.solid_runs import stationed_sphere
+from cases.solid_runs import LENGTH, stationed_sphere, straight
 
 from fretfe.errors import CaseError
 from fretfe.results.front_ends import end_beside, end_near, find_end, free_ends, known_ranges
-from fretfe.results.model import Result
-
-LENGTH = 3.0
-
-
-def straight(*, mirrored: bool) -> Result:
-    """A straight front of length 3 along x with 12 stations; the bodies go on at its end or not."""
-    result = stationed_sphere()
-    (contact,) = result.contacts
-    (front,) = contact.fronts
-    arcs = (np.arange(12) + 0.5) * LENGTH / 12
-    stations = []
-    for station, arc in zip(front.stations, arcs, strict=True):
-        frame = replace(station.frame, along=np.array([1.0, 0.0, 0.0]))
-        to_end = arc if mirrored else min(arc, LENGTH - arc)
-        stations.append(
-            replace(
-                station,
-                frame=frame,
-                point=np.array([arc, 0.0, 0.0]),
-                arc=arc,
-                to_end=to_end,
-                end=to_end < 0.5,
-                k_range=10.0 - arc,
-                k_range_spread=0.1,
-            )
-        )
-    opened = replace(front, stations=tuple(stations), closed=False, length=LENGTH)
-    return replace(result, contacts=(replace(contact, fronts=(opened,)),))
 
 
 def test_both_ends_have_names_and_places() -> None:
