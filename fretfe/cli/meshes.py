@@ -58,7 +58,8 @@ def _propose(deck: Path) -> None:
     from fretfe.errors import FretfeError
     from fretfe.mesh.inp_outline import outline
 
-    text, source = "\n".join(outline(deck)), deck.with_suffix(".toml")
+    found, source = outline(deck), deck.with_suffix(".toml")
+    text = "\n".join(found.lines)
     print(text)
     try:
         check_case(parse_case(tomllib.loads(text), source))
@@ -67,6 +68,13 @@ def _propose(deck: Path) -> None:
         print("#", str(error).replace("\n", "\n# "))
     else:
         print("# This case is valid: write it to a file beside the deck.")
+    if found.lacks:
+        things = (
+            "one thing of the deck is"
+            if found.lacks == 1
+            else f"{found.lacks} things of the deck are"
+        )
+        print(f"# It is not the deck: {things} not in it, see 'not taken over'.")
 
 
 def _print(checked: Checked) -> None:

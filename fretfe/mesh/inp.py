@@ -24,7 +24,7 @@ from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.files import MOST_MEMBERS, MOST_PLACED
 from fretfe.mesh.inp_cards import Card, cards
-from fretfe.mesh.inp_language import ANALYSIS, JOINED, REFERENCES, REFUSED
+from fretfe.mesh.inp_language import ACTING, ANALYSIS, JOINED, REFERENCES, REFUSED
 
 # Say nothing of the model.
 TITLES = ("HEADING",)
@@ -348,7 +348,7 @@ class _Reader:
         of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None
         if block is None and read is None and of_material is None and card.word != "SURFACE":
             self.deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
-            self.deck.analysis += [card] if card.word in ANALYSIS else []
+            self.deck.analysis += [card] if card.word in (*ANALYSIS, *ACTING) else []
             return
         card.require_text()
         if block is not None:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
@@ -100,3 +101,27 @@ class Channel:
 def _short(value: float) -> float:
     """A number without what round-off adds."""
     return float(f"{value:.12g}")
+
+
+def repeated(channels: Sequence[Channel]) -> tuple[float, float] | None:
+    """Begin and end of the last time that loads run through all they run through again and again.
+
+    That is the shortest span up to the last return of all loads to where they stood once before,
+    in which each has its extremes of the longest such span. None if they end without any load, as
+    a mission does, or never return.
+    """
+    times = np.array(sorted({0.0} | {time for each in channels for time, *_ in each.points}))
+    values = np.zeros((len(times), len(channels)))
+    for place, each in enumerate(channels):
+        known, levels, _ = zip((0.0, 0.0, 1), *each.points, strict=True)
+        values[:, place] = np.interp(times, known, levels)
+    within = SAME * np.abs(values).max(axis=0, initial=0.0)
+    if (np.abs(values[-1]) <= within).all():
+        return None
+    for end in range(len(times) - 1, 1, -1):
+        alike = (np.abs(values[:end] - values[end]) <= within).all(axis=1)
+        ranges = np.array([np.ptp(values[begin : end + 1], axis=0) for begin in range(end)])
+        whole = alike & (ranges >= ranges[np.argmax(alike)] - within).all(axis=1)
+        if alike.any() and (ranges[np.argmax(alike)] > within).any():
+            return _short(times[np.flatnonzero(whole)[-1]]), _short(times[end])
+    return None

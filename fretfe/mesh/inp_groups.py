@@ -22,6 +22,7 @@ from fretfe.mesh.inp_references import require_led
 from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
 from fretfe.mesh.inp_unnamed import name_surfaces
 from fretfe.mesh.planes import upright
+from fretfe.mesh.templates import did_you_mean
 
 # Plane strain and plane stress; shells and membranes, which mesh generators write for plane cells.
 PLANE = re.compile(r"(?:CPEG|CPE|CPS|M3D|STRI|S)([34689])\w*\Z")
@@ -363,9 +364,10 @@ class Groups:
         elif label in deck.broken:
             raise MeshError(f"{deck.broken[label]}; the boundary '{name}' needs it")
         else:
+            near = did_you_mean(label, (*deck.surfaces, *deck.node_sets, *deck.element_sets))
             raise MeshError(
                 f"{self._path}: no surface, node set or element set {label} for the boundary "
-                f"'{name}'; surfaces: {listed(deck.surfaces)}; node sets: "
+                f"'{name}'{near}; surfaces: {listed(deck.surfaces)}; node sets: "
                 f"{listed(deck.node_sets)}; element sets: {listed(deck.element_sets)}"
             )
         if not found:

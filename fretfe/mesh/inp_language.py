@@ -8,6 +8,7 @@ Both may be abbreviated as long as no other one begins in the same way, blanks a
 from __future__ import annotations
 
 from collections.abc import Iterable
+from difflib import get_close_matches
 
 # All parameters of the keywords that are read: any other one is a mistake, or asks for something
 # that is not known here. Names are written without blanks.
@@ -121,9 +122,27 @@ REFUSED = {
         JOINED,
     ),
 }
+# Keywords that are not read and change what a model does: a case without them is another one.
+ACTING = (
+    *("CHANGEFRICTION", "CLEARANCE", "CONTACT", "CONTACTINTERFERENCE", "FOUNDATION"),
+    *("INITIALCONDITIONS", "SUBMODEL", "TEMPERATURE", "TRANSFORM"),
+)
 # A keyword that is not used and with which others begin: written out, it is no abbreviation.
 _WHOLE = ("CONTACT",)
 KEYWORDS = (*PARAMETERS, *OPEN_PARAMETERS, *REFUSED, *_WHOLE)
+# Other keywords of Abaqus and CalculiX that are like one of these.
+_ALIKE = frozenset(
+    (
+        *("BOUNDARYF", "CHANGESOLIDSECTION", "CHANGESURFACEBEHAVIOR", "CLOADF", "DLOADF", "SLOAD"),
+        *("CONNECTORFRICTION", "CONNECTORMOTION", "CONNECTORSTOP", "CONTACTFILE", "CONTACTPRINT"),
+        *("CONTACTINITIALIZATIONASSIGNMENT", "CONTACTSTABILIZATION", "DESIGNPARAMETER"),
+        *("DISTRIBUTION", "DISTRIBUTIONTABLE", "EPJOINT", "FLUIDEXPANSION", "FLUIDSECTION"),
+        *("GEOSTATIC", "HYPOELASTIC", "IMPORTELSET", "IMPORTNSET", "PLASTIC", "PLASTICM1"),
+        *("PLASTICM2", "SELECTCYCLICSYMMETRYMODES", "SHELLGENERALSECTION", "SUBSTRUCTURECOPY"),
+        *("SUBSTRUCTUREDELETE", "SUBSTRUCTUREDIRECTORY", "SUBSTRUCTUREPATH", "SURFACEFLAW"),
+        *("SURFACESECTION", "USERMATERIAL", "USERSECTION", "VISCOUS"),
+    )
+)
 
 
 def squeezed(text: str) -> str:
@@ -135,13 +154,17 @@ def whole_keyword(word: str) -> str:
     """The keyword that an abbreviation stands for; itself where it stands for none that is known.
 
     Raises:
-        ValueError: several begin so.
+        ValueError: several begin so, or it is a known one misspelt.
     """
     found = _beginning(word, dict.fromkeys(KEYWORDS))
     if len(found) > 1:
         raise ValueError(
             f"expected a keyword, found *{word}, with which {', '.join(found)} begin: write it out"
         )
+    if not found and word not in _ALIKE:
+        mixed = [each for each in KEYWORDS if sorted(each) == sorted(word)]
+        if near := mixed or get_close_matches(word, KEYWORDS, n=1, cutoff=0.75):
+            raise ValueError(f"unknown keyword; did you mean *{near[0]}?")
     return found[0] if found else word
 
 

@@ -7,6 +7,7 @@ import json
 import re
 from collections import Counter
 from collections.abc import Iterable, Iterator, Mapping, Set
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -30,8 +31,21 @@ NEEDED = ("young", "poisson")
 NUMBERS = (*NEEDED, "density", "expansion", "reference_temperature")
 
 
-def outline(path: Path) -> Iterator[str]:
-    """Lines of a case file: bodies with their materials, contacts, supports and loads.
+@dataclass(frozen=True)
+class Outline:
+    """A case that a deck amounts to.
+
+    Attributes:
+        lines: of the case file.
+        lacks: how many things of the deck it has not, each a line among them.
+    """
+
+    lines: list[str]
+    lacks: int
+
+
+def outline(path: Path) -> Outline:
+    """A case file with the bodies of a deck and their materials, contacts, supports and loads.
 
     The bodies are the instances of the file, or, where it has none, the element sets to which its
     sections give materials, or all element sets with elements of bodies; or the pieces with the
@@ -46,10 +60,23 @@ def outline(path: Path) -> Iterator[str]:
     deck = read_deck(path)
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
     cells = supported_cells(path, deck, dimension)
-    facets = _of_kind(deck, FACET_ELEMENTS[dimension])
     labels = _bodies(deck, cells.keys())
     found = _proposal(path, deck, cells, dimension)
     labels = _in_pieces(deck, cells.keys(), labels, found.contacts.values())
+    lines = _lines(path, deck, dimension, cells, labels, found)
+    return Outline([*lines], len(found.lacks))
+
+
+def _lines(
+    path: Path,
+    deck: Deck,
+    dimension: int,
+    cells: Mapping[int, object],
+    labels: list[str],
+    found: Proposal,
+) -> Iterator[str]:
+    """The case file."""
+    facets = _of_kind(deck, FACET_ELEMENTS[dimension])
     names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
     if dimension == 2:
         yield from _model(deck, cells.keys())
@@ -68,10 +95,14 @@ def outline(path: Path) -> Iterator[str]:
             for n, (_, one, other) in enumerate(deck.ties, start=1)}  # fmt: skip
     yield from _tables({"ties": ties, "contacts": found.contacts, "supports": found.supports,
                         "loads": found.loads})  # fmt: skip
+    if found.cycle is not None:
+        start, end = found.cycle
+        yield from ("", "[cycle]", f"start = {start!r}", f"end = {end!r}")
     if found.lacks:
         yield ""
         yield "# not taken over:"
-        yield from (f"# {lack.removeprefix(f'{path.parent}/')}" for lack in found.lacks)
+        for lack in found.lacks:
+            yield f"# {lack.replace(f'{path}: ', '').removeprefix(f'{path.parent}/')}"
     yield ""
     yield "# names that a boundary may have, as such or as a label in [geometry.boundaries]"
     yield f"# surfaces: {listed(deck.surfaces)}"

@@ -11,7 +11,8 @@ over that of all steps.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from itertools import pairwise
@@ -19,8 +20,12 @@ from itertools import pairwise
 from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck, real
 from fretfe.mesh.inp_cards import Card
-from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable
+from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable, repeated
+from fretfe.mesh.inp_groups import listed
+from fretfe.mesh.inp_language import ACTING
 from fretfe.mesh.inp_references import Reference, references
+from fretfe.mesh.inp_shapes import Facet
+from fretfe.mesh.templates import did_you_mean
 
 AXES = ("x", "y", "z")
 # Displacements, 1 to 3, and rotations, 4 to 6.
@@ -33,12 +38,14 @@ MOTIONS = ("displacement", "rotation")
 FORCES = ("force", "moment")
 # Load steps for a step of the deck that leaves its increments to the program.
 INCREMENTS = 10
+# Forces on single nodes of one keyword that become loads of their own.
+MOST_LONE = 10
 # Keywords that begin what a step does, other than statics.
 STATICS = ("STATIC", "VISCO")
 LOAD_CARDS = ("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD")
 
-# Whether a boundary has facets; raises MeshError with a reason if it has none.
-Find = Callable[[str], object]
+# Facets of a boundary; raises MeshError with a reason if it has none.
+Find = Callable[[str], list[Facet]]
 
 
 @dataclass
@@ -49,6 +56,7 @@ class Proposal:
         contacts: from pairs of surfaces.
         supports: boundaries held from the beginning to the end.
         loads: with their histories.
+        cycle: begin and end of what the loads repeat.
         lacks: what was not understood, in words.
         read: keywords that were.
     """
@@ -56,6 +64,7 @@ class Proposal:
     contacts: dict[str, TomlTable] = field(default_factory=dict)
     supports: dict[str, TomlTable] = field(default_factory=dict)
     loads: dict[str, TomlTable] = field(default_factory=dict)
+    cycle: tuple[float, float] | None = None
     lacks: list[str] = field(default_factory=list)
     read: set[str] = field(default_factory=set)
 
@@ -92,12 +101,17 @@ class _Steps:
         self._amplitudes: dict[str, Amplitude] = {}
         self._channels: dict[tuple[str, ...], Channel] = {}
         self._end, self._count = 0.0, 0
+        # surfaces that slide, and axes, 1 to 3, about which they do not turn
+        self._upright: set[tuple[str, int]] = set()
         self._references = references(deck)
         self._led = {each.turning: (each, 3) for each in self._references}
         self._led |= {each.node: (each, 0) for each in self._references}
         for card in deck.analysis:
             if card.word == "AMPLITUDE":
                 self._try(card, self._amplitude)
+            elif card.word in ACTING:
+                self._found.read.add(card.keyword)
+                self._lack(card, "not supported: without it the model is another one")
 
     def model(self, cards: Sequence[Card]) -> None:
         """Read what stands outside the steps."""
@@ -173,6 +187,7 @@ class _Steps:
         for each in self._references:
             if each.rigid:
                 self._finish_platen(each)
+        found.cycle = repeated([*self._channels.values()])
         return found
 
     def _hold(self, boundary: str, axis: str) -> None:
@@ -193,12 +208,17 @@ class _Steps:
 
     def _finish_platen(self, led: Reference) -> None:
         """Free what nothing holds or loads of a rigid surface; a support where nothing is free."""
-        if not led.axes.issuperset(range(1, len(self._axes) + 1)):
-            self._lack(led.card, f"{led.label} is tied along some axes only: no platen is proposed")
-            return
+        places: Iterable[int] = range(1, 7)
+        if self._slides(led):
+            places = sorted(led.axes)
+            turns = {about for about in (1, 2, 3) if led.axes - {about}}
+            turns &= {3} if len(self._axes) == 2 else {1, 2, 3}
+            if not {(led.label, about) for about in turns} <= self._upright:
+                turning = "which a platen that slides does not: hold the turns of its node"
+                self._lack(led.card, f"{led.label} is tied along some axes and may turn, {turning}")
         try:
-            tables = [each for n in range(1, 7) for each, _ in self._moved(led, n, FORCES)]
-        except MeshError as error:
+            tables = [each for n in places for each, _ in self._moved(led, n, FORCES)]
+        except (ValueError, MeshError) as error:
             self._lack(led.card, str(error))
             return
         held = {
@@ -214,8 +234,13 @@ class _Steps:
             if (table["type"], table.get("direction", table.get("axis"))) not in held | loaded:
                 self._add(table, [{"hold": True, "until": self._end or 1.0, "steps": 1}])
         if all(load.get("boundary") != led.label for load in self._found.loads.values()):
-            for axis in self._axes:
-                self._hold(led.label, axis)
+            for place in sorted(led.axes):
+                if place <= len(self._axes):
+                    self._hold(led.label, AXES[place - 1])
+
+    def _slides(self, led: Reference) -> bool:
+        """True for a surface that is free to move along some axes."""
+        return not led.axes.issuperset(range(1, len(self._axes) + 1))
 
     def _try(self, card: Card, read: Callable[[Card], object]) -> None:
         """Read a card, or say why it is not understood."""
@@ -258,7 +283,10 @@ class _Steps:
                 self._find(surface)
             table: TomlTable = {"surface1": one, "surface2": other}
             if friction is None:
-                self._lack(card, f"no friction is known of the interaction {interaction or '-'}")
+                near = did_you_mean(interaction, self._friction)
+                self._lack(
+                    card, f"no friction is known of the interaction {interaction or '-'}{near}"
+                )
             else:
                 table["friction"] = friction
             name = _name(one)
@@ -271,7 +299,8 @@ class _Steps:
         amplitude = None
         if name := card.name("AMPLITUDE"):
             if name not in self._amplitudes:
-                raise ValueError(f"the amplitude {name} is not known")
+                near = did_you_mean(name, self._amplitudes)
+                raise ValueError(f"the amplitude {name} is not known{near}")
             amplitude = self._amplitudes[name]
         read = {"BOUNDARY": self._held, "CLOAD": self._force, "DLOAD": self._distributed,
                 "DSLOAD": self._pressure}[card.word]  # fmt: skip
@@ -307,6 +336,9 @@ class _Steps:
             for each, place in ((each, place + more) for each, more in led for place in places):
                 if not each.rigid:
                     raise ValueError(f"expected forces at the reference node of {each.label} alone")
+                if self._slides(each) and place > len(AXES) and not value:
+                    self._upright.add((each.label, place - len(AXES)))
+                    continue
                 for table, _ in self._moved(each, place, MOTIONS):
                     yield table, value
             return
@@ -323,7 +355,15 @@ class _Steps:
                 for table, factor in self._moved(each, int(row[1]) + more, FORCES):
                     yield table, factor * real(row[2])
             return
-        boundary, place = self._nodes(row[0]), int(row[1]) - 1
+        place = int(row[1]) - 1
+        if (node := self._lone(row[0])) and len(card.rows) <= MOST_LONE:
+            boundary = self._around(node, row[0])
+            self._lack(card, f"the force on node {row[0]} as such: it is spread over {boundary}")
+            through = [float(value) for value in self._deck.nodes[node][: len(self._axes)]]
+            yield {"type": "force", "boundary": boundary, "direction": self._axes[place],
+                   "through": through}, real(row[2])  # fmt: skip
+            return
+        boundary = self._nodes(row[0])
         unnamed = self._deck.unnamed
         count = unnamed.get(boundary) or len(set(self._deck.node_sets[boundary]))
         table = {"type": "force", "boundary": boundary, "direction": self._axes[place]}
@@ -344,8 +384,11 @@ class _Steps:
         self._find(led.label)
         size, own = len(self._axes), {"boundary": led.label}
         centre = [float(value) for value in led.place[:size]]
-        if not led.axes.issuperset(range(1, size + 1)):
-            raise ValueError(f"{led.label} is tied along some axes only, which no load is")
+        if self._slides(led) and place not in led.axes:
+            # the surface stays where it is, whatever the node does
+            if led.rigid and place <= size and controls is MOTIONS:
+                return
+            raise ValueError(f"{led.label} is tied along some axes only, and does not follow")
         if place <= size:
             along = {**own, "direction": AXES[place - 1]}
             if led.rigid:
@@ -413,11 +456,50 @@ class _Steps:
         if label in self._deck.unnamed:
             return label
         if label not in self._deck.node_sets:
-            raise ValueError("expected a node set: single nodes are neither held nor loaded here")
+            raise ValueError(self._no_set(text))
         if label in self._deck.surfaces:
             raise ValueError(f"expected a name of its own, found {label}, a surface too")
         self._find(label)
         return label
+
+    def _lone(self, text: str) -> int | None:
+        """The number of a node that is alone in a row; None for a set of several."""
+        members = self._deck.node_sets.get(text.strip('"').upper())
+        try:
+            members = members or [self._deck.number(text)]
+        except ValueError:
+            return None
+        return members[0] if len(members) == 1 and members[0] in self._deck.nodes else None
+
+    def _around(self, node: int, text: str) -> str:
+        """The smallest named boundary with a node on its facets that is no surface of a contact."""
+        contacts = [table[f"surface{n}"] for table in self._found.contacts.values() for n in (1, 2)]
+        sizes = {}
+        for label in (*self._deck.surfaces, *self._deck.node_sets):
+            if label not in contacts:
+                with suppress(MeshError):
+                    facets = self._find(label)
+                    if any(node in facet.nodes for facet in facets):
+                        sizes[label] = len(facets)
+        if not sizes:
+            raise ValueError(
+                f"under a force on one node it moves the farther the smaller the elements are: name"
+                f" a surface (*SURFACE) around node {text}, over which it is spread"
+            )
+        return min(sizes, key=lambda label: sizes[label])
+
+    def _no_set(self, text: str) -> str:
+        """A label that is no set of nodes, in words."""
+        sets = self._deck.node_sets
+        try:
+            node = self._deck.number(text)
+        except ValueError:
+            return (
+                f"no node set {text}{did_you_mean(text.upper(), sets)}; node sets: {listed(sets)}"
+            )
+        if node not in self._deck.nodes:
+            return f"there is no node {text}"
+        return "single nodes are not held here: hold the nodes of whole facets (*NSET) or a surface"
 
 
 def _name(label: str) -> str:

@@ -191,7 +191,7 @@ def test_constants_over_temperature(tmp_path: Path) -> None:
     """Tables as a case has them; at the first temperature where a body has none."""
     rows = ELASTIC.format("210000., .3, 20.\n180000., .3, 420.")
     (tmp_path / "pad.inp").write_text(DECK + rows)
-    low = tomllib.loads("\n".join(outline(tmp_path / "pad.inp")))["bodies"]["low"]
+    low = tomllib.loads("\n".join(outline(tmp_path / "pad.inp").lines))["bodies"]["low"]
     assert low == {
         "young": {"temperatures": [20.0, 420.0], "values": [210e3, 180e3]},
         "poisson": {"temperatures": [20.0, 420.0], "values": [0.3, 0.3]},
@@ -217,7 +217,7 @@ def test_elements_that_are_not_supported_are_refused_without_a_case(
 ) -> None:
     (tmp_path / "pad.inp").write_text(DECK.replace("CPE4", kind))
     with pytest.raises(MeshError, match=f"{kind}.* not supported"):
-        list(outline(tmp_path / "pad.inp"))
+        outline(tmp_path / "pad.inp")
 
 
 @pytest.mark.parametrize(

@@ -315,7 +315,7 @@ def test_materials_that_are_not_isotropic(tmp_path: Path) -> None:
 def test_the_beginning_of_a_case(tmp_path: Path) -> None:
     """What `fretfe check` prints of a deck is a case but for its contacts, supports and loads."""
     path = write(tmp_path, PART + ASSEMBLY + MATERIAL)
-    lines = list(outline(path))
+    lines = outline(path).lines
     tables = tomllib.loads("\n".join(lines))
     steel = {"young": 210e3, "poisson": 0.3, "density": 7.85e-9, "expansion": 1.2e-5}
     steel["reference_temperature"] = 20.0
@@ -334,7 +334,7 @@ def test_the_beginning_of_a_case(tmp_path: Path) -> None:
 
 def test_the_beginning_of_a_case_without_materials(tmp_path: Path) -> None:
     text = FLAT.replace("ELSET=LOWER", 'ELSET="Lower part"')
-    lines = list(outline(write(tmp_path, text)))
+    lines = outline(write(tmp_path, text)).lines
     tables = tomllib.loads("\n".join(lines))
     assert tables["bodies"] == {"body1": {}, "upper": {}}
     assert tables["geometry"]["bodies"] == {"body1": {"label": "LOWER PART"}}

@@ -39,7 +39,7 @@ def proposed(folder: Path, text: str) -> tuple[dict[str, Any], list[str]]:
     """The tables of the case, and what was not understood."""
     path = folder / "pad.inp"
     path.write_text(MODEL.replace("ELSET=ALL, MATERIAL", "ELSET=NONE, MATERIAL") + text)
-    lines = list(outline(path))
+    lines = outline(path).lines
     marks = ("# not taken over:", "# names that a boundary may have, as such or as a label in "
              "[geometry.boundaries]")  # fmt: skip
     begin = lines.index(marks[0]) + 1 if marks[0] in lines else lines.index(marks[1])
@@ -170,9 +170,8 @@ def test_supports(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("lines", "reason"),
     [
-        ("*BOUNDARY\n1, 1, 2\n", "*BOUNDARY: 1, 1, 2: expected a node set: single nodes are"),
+        ("*BOUNDARY\n1, 1, 2\n", "*BOUNDARY: 1, 1, 2: single nodes are not held here"),
         ("*NSET, NSET=SOME\n1, 4\n*BOUNDARY\nSOME, 1, 2\n", "expected nodes of whole facets"),
-        (step("*CLOAD", "25, 2, -1."), "expected a node set"),
         (step("*DSLOAD", "HEAD, HP, -1."), "expected P or TRVEC, found HP"),
         (step("*DLOAD", "LOW, P2, -1."), "expected sides on the outside of a body (P1, P2, ...)"),
         (step("*DLOAD", "UP, GRAV, 1., 0., -1., 0."), "expected all elements, found 3 that are"),
@@ -202,7 +201,7 @@ def test_frictionless_pairs_and_planes_that_are_turned(tmp_path: Path) -> None:
     turned = "".join(f"{n}, {x}, 0., {y}\n" for n, x, y in
                      (row.split(", ") for row in NODES.splitlines()))  # fmt: skip
     path.write_text(MODEL.replace(NODES, turned).replace("CPE4", "CPS4") + PAIR + HELD)
-    lines = list(outline(path))
+    lines = outline(path).lines
     assert tomllib.loads("\n".join(lines))["model"] == {"plane": "stress", "thickness": 2.5}
     assert not any(line.startswith("[supports") for line in lines)
     assert any("the bodies are not in a plane of constant z" in line for line in lines)
@@ -238,7 +237,7 @@ def test_pieces_of_one_element_set(tmp_path: Path) -> None:
     model = MODEL[: MODEL.index("*SOLID")] + one + MODEL[MODEL.index("*SURFACE INTERACTION") :]
     path = tmp_path / "pad.inp"
     path.write_text(model + PAIR + HELD + step("*DSLOAD", "HEAD, P, 10."))
-    lines = list(outline(path))
+    lines = outline(path).lines
     bodies = tomllib.loads("\n".join(lines))["bodies"]
     steel = {"young": 210e3, "poisson": 0.3, "density": 7.8e-9}
     assert bodies == {"pad": steel, "face": steel}
@@ -304,10 +303,99 @@ def test_a_reference_node_that_spreads_a_force(tmp_path: Path) -> None:
     load_mesh(parse_case(tables, tmp_path / "pad.toml"))
 
 
-def test_faces_that_are_tied_along_one_axis_are_no_platens(tmp_path: Path) -> None:
+def test_faces_that_are_tied_along_one_axis_slide(tmp_path: Path) -> None:
+    """Caps on rollers are platens along what is tied, if nothing turns them."""
     cap = RIGID + COUPLED + "*KINEMATIC\n2, 2\n"
-    tables, lacks = proposed(tmp_path, PAIR + HELD + cap + step("*CLOAD", "RP, 2, -30."))
-    assert "loads" not in tables
-    assert [lack.rpartition(": ")[2] for lack in lacks] == [
-        "HEAD is tied along some axes only, which no load is", "no platen is proposed"
-    ]  # fmt: skip
+    push = step("*CLOAD", "RP, 2, -30.")
+    tables, lacks = proposed(tmp_path, PAIR + HELD + cap + "*BOUNDARY\nRP, 1\nRP, 6\n" + push)
+    assert lacks == []
+    assert tables["loads"] == {
+        "head_y": {"type": "platen", "boundary": "HEAD", "direction": "y", "control": "force",
+                   "history": [{"ramp": -30.0, "until": 1.0, "steps": 4}]}
+    }  # fmt: skip
+    load_mesh(parse_case(tables, tmp_path / "pad.toml"))
+    assert any("HEAD is tied along some axes and may turn" in each
+               for each in proposed(tmp_path, PAIR + HELD + cap + push)[1])  # fmt: skip
+    sideways = PAIR + HELD + cap + step("*CLOAD", "RP, 1, 2.", "RP, 6, 1.")
+    assert sum("does not follow" in lack for lack in proposed(tmp_path, sideways)[1]) == 1
+
+
+@pytest.mark.parametrize(
+    ("wrong", "line"),
+    [("*BOUNDRY\nFOOT, ENCASTRE\n", "line 55: cannot read *BOUNDRY: unknown keyword; did you mean "
+      "*BOUNDARY?"), ("*CONTACT PIAR\n", "did you mean *CONTACTPAIR?"), ("*TEI\n", "mean *TIE?"),
+     ("*EQUATON\n", "mean *EQUATION?")],
+)  # fmt: skip
+def test_misspelt_keywords_are_refused(tmp_path: Path, wrong: str, line: str) -> None:
+    with pytest.raises(MeshError) as caught:
+        proposed(tmp_path, wrong)
+    assert line in str(caught.value)
+
+
+def test_names_that_the_deck_has_not(tmp_path: Path) -> None:
+    """The nearest name and the line, and no plain "valid"."""
+    text = (
+        PAIR + "*CONTACT PAIR, INTERACTION=RUBB\nPADD, FACE\n" + HELD
+        + step("*DSLOAD", "HEADD, P, 10.", "HEAD, P, 1.", "*CLOAD", "CRSET, 1, .5", "999, 1, 1.",
+               "*DSLOAD, AMPLITUDE=A", "SIDE, P, 1.", "*TEMPERATURE", "FOOT, 20.")
+    )  # fmt: skip
+    _, lacks = proposed(tmp_path, text)
+    assert [lack.replace(str(tmp_path), "") for lack in lacks] == [
+        "line 72: *TEMPERATURE: not supported: without it the model is another one",
+        "line 57: *CONTACT PAIR: no surface, node set or element set PADD for the boundary 'PADD' "
+        "(did you mean PAD?); surfaces: FACE, PAD, HEAD, SIDE; node sets: FOOT, CREST; element "
+        "sets: LOW, UP, ALL",
+        "line 64: *DSLOAD: HEADD, P, 10.: no surface, node set or element set HEADD for the "
+        "boundary 'HEADD' (did you mean HEAD?); surfaces: FACE, PAD, HEAD, SIDE; node sets: FOOT, "
+        "CREST; element sets: LOW, UP, ALL",
+        "line 67: *CLOAD: CRSET, 1, .5: no node set CRSET (did you mean CREST?); node sets: FOOT, "
+        "CREST",
+        "line 67: *CLOAD: 999, 1, 1.: there is no node 999",
+        "line 70: *DSLOAD: the amplitude A is not known",
+    ]
+    output = CliRunner().invoke(app, ["check", str(tmp_path / "pad.inp")]).output.splitlines()
+    assert (
+        output[-1]
+        == "# It is not the deck: 6 things of the deck are not in it, see 'not taken over'."
+    )
+
+
+def test_a_force_on_a_node_is_spread_over_what_is_named_around_it(tmp_path: Path) -> None:
+    tables, lacks = proposed(tmp_path, PAIR + HELD + step("*CLOAD", "26, 2, -3."))
+    assert tables["loads"] == {
+        "head_y": {"type": "force", "boundary": "HEAD", "direction": "y", "through": [1.0, 2.0],
+                   "history": [{"ramp": -3.0, "until": 1.0, "steps": 4}]}
+    }  # fmt: skip
+    (lack,) = lacks
+    assert lack.endswith("*CLOAD: the force on node 26 as such: it is spread over HEAD")
+    load_mesh(parse_case(tables, tmp_path / "pad.toml"))
+    _, (lack,) = proposed(tmp_path, PAIR + HELD + step("*CLOAD", "21, 2, -3."))
+    assert "name a surface (*SURFACE) around node 21, over which it is spread" in lack
+
+
+CYCLE = "*AMPLITUDE, NAME=C\n" + "".join(f"{n / 8}, {(0, 1, 0, -1)[n % 4]}.\n" for n in range(9))
+PRESS = step("*DSLOAD", "HEAD, P, 10.")
+
+
+@pytest.mark.parametrize(
+    ("steps", "cycle"),
+    [
+        # the last of two
+        (PRESS + step("*CLOAD, AMPLITUDE=C", "CREST, 1, .5", static=".125, 1."), (1.5, 2.0)),
+        # by steps, and before the load is taken off
+        (PRESS + "".join(step("*CLOAD", f"CREST, 1, {q}") for q in (1, -1, 1)), (2.0, 4.0)),
+        (PRESS + "".join(step("*CLOAD", f"CREST, 1, {q}") for q in (1, -1, 1))
+         + step("*CLOAD", "CREST, 1, .5"), (2.0, 4.0)),
+        # a mission has its own, a single push none
+        (PRESS + step("*DSLOAD", "HEAD, P, 0."), None),
+        (PRESS + step("*CLOAD", "CREST, 1, 1."), None),
+    ],
+)  # fmt: skip
+def test_a_cycle_is_proposed(tmp_path: Path, steps: str, cycle: tuple[float, float] | None) -> None:
+    tables, lacks = proposed(tmp_path, PAIR + HELD + CYCLE + steps)
+    assert lacks == []
+    found = tables.get("cycle", {"start": None, "end": None})
+    assert (found["start"], found["end"]) == (cycle or (None, None))
+    history = build_history(parse_case(tables, tmp_path / "pad.toml"))
+    if cycle is not None and history.cycle is not None:
+        assert [history.times[state] for state in history.cycle] == list(cycle)

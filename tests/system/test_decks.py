@@ -45,7 +45,7 @@ def test_a_column_that_a_reference_node_bends(tmp_path: Path, kind: str, layers:
     loads = f"RP, 2, {PRESSED}\nRP, 6, {MOMENT}"
     path = tmp_path / "column.inp"
     write_deck(path, [LOW, UP], CAPPED.format(kind, loads))
-    tables = tomllib.loads("\n".join(outline(path)))
+    tables = tomllib.loads("\n".join(outline(path).lines))
     width = 0.5 if layers else 1.0
     if layers:
         tables["geometry"]["solid"] = {"length": width, "layers": layers}
