@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 from fretfe._typing import Array
 from fretfe.bodies.continued import coupled_contacts, half_middles
@@ -15,7 +16,7 @@ from fretfe.bodies.definition import (
     model_notes,
     require_possible,
 )
-from fretfe.bodies.expected import proposed_sizes
+from fretfe.bodies.expected import proposed_sizes, require_pressed
 from fretfe.bodies.loads.files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, case_notes, stiffness_doubts
@@ -74,7 +75,7 @@ class Checked:
         """(2,) places where plane contacts end in a plane of symmetry at one end, by contact."""
         return half_middles(self.pairs)
 
-    @property
+    @cached_property
     def cost(self) -> Cost:
         """Estimate of memory and time, of the first mesh if it refines itself."""
         nodes = sum(len(pair.coupling.surface.weights) for pair in self.pairs)
@@ -152,6 +153,7 @@ def check(case: Case) -> Checked | None:
     history, mesh = checked_history(case), _first_mesh(case)
     definition = held_model(case, mesh)
     require_possible(case, definition, history)
+    require_pressed(case, mesh, history)
     pairs = coupled_contacts(case, definition, mesh, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

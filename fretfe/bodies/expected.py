@@ -19,7 +19,7 @@ from fretfe.analytic.hertz import HertzContact, expected_contact, half_width
 from fretfe.case import Case, unit_vector
 from fretfe.case import Contact as ContactTable
 from fretfe.case.loads import Push
-from fretfe.errors import MeshError
+from fretfe.errors import MeshError, ModelError
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.limits import DOUBTED
 from fretfe.evaluate.resolution import BAR_TIMES_ELEMENTS
@@ -41,8 +41,34 @@ MARGIN = 0.85
 ELEMENTS = 2.5
 
 
+def require_pressed(case: Case, mesh: Mesh, history: History) -> None:
+    """Check that no contact is only ever pulled apart, where equilibrium gives its force.
+
+    Raises:
+        ModelError: names the first that is.
+    """
+    if case.geometry.part is not None:  # the run that drives it had contact
+        return
+    for name, initial in initial_gaps(mesh, case).items():
+        normal = _normal(initial)
+        facing = initial.surface2.normals[initial.facet2] @ normal
+        force = _normal_force(case, mesh, history, name, initial, normal)
+        # around a shaft forces along the normal say nothing
+        if force is not None and force.max() <= 0.0 and force.min() < 0.0 and facing.min() > 0.0:
+            bodies = f"{initial.surface1.body!r} and {initial.surface2.body!r}"
+            raise ModelError(
+                f"contact {name}: expected loads that press {bodies} together, found loads that "
+                f"pull them apart all the time, by up to {rounded(-force.min())}: turn them round"
+            )
+
+
 def coarse_contacts(
-    case: Case, mesh: Mesh, history: History, middles: Mapping[str, Array] | None = None
+    case: Case,
+    mesh: Mesh,
+    history: History,
+    middles: Mapping[str, Array] | None = None,
+    *,
+    advise: bool = True,
 ) -> Iterator[str]:
     """Warnings of contacts that will be too narrow for their elements to be evaluated.
 
@@ -51,10 +77,12 @@ def coarse_contacts(
         mesh: its mesh.
         history: its loads.
         middles: (2,) of contacts in the plane of which the model has a half, by name.
+        advise: whether they say which elements are wanted.
     """
     for name, initial, normal, force in _pressed(case, mesh, history):
         if force > 0 and case.contacts[name].gap is None:
-            yield from _warning(case, name, initial, normal, force, (middles or {}).get(name))
+            middle = (middles or {}).get(name)
+            yield from _warning(case, name, initial, normal, force, middle, advise=advise)
 
 
 def pressure_doubts(
@@ -93,12 +121,17 @@ def _pressed(
     """
     states = cycle_states(history.cycle)
     for name, initial in initial_gaps(mesh, case).items():
-        nearest = int(np.argmin(initial.gap))
-        normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
-        normal /= np.linalg.norm(normal)
+        normal = _normal(initial)
         force = _normal_force(case, mesh, history, name, initial, normal)
         smallest = np.nan if force is None else force[states if len(states) else [-1]].min()
         yield name, initial, normal, float(smallest)
+
+
+def _normal(initial: InitialGap) -> Array:
+    """(d,) unit normal of surface 2 where the gap is smallest."""
+    nearest = int(np.argmin(initial.gap))
+    normal = initial.surface2.normals[initial.facet2[nearest]].mean(axis=0)
+    return np.asarray(normal / np.linalg.norm(normal))
 
 
 @dataclass(frozen=True)
@@ -176,6 +209,8 @@ def _warning(
     normal: Array,
     force: float,
     middle: Array | None,
+    *,
+    advise: bool,
 ) -> Iterator[str]:
     for surface in (initial.surface1, initial.surface2):
         if len(surface.sizes) < 2:
@@ -199,7 +234,8 @@ def _warning(
         yield (
             f"contact {name}: about {count} nodes {'across the' if solid else 'in'} contact "
             f"expected at P = {force:.4g} (half-width {width:.2g} {unit}), {WANTED_NODES} wanted "
-            f"at least: make the elements there {size:.1g} {unit} long or less"
+            "at least"
+            + (f": make the elements there {size:.1g} {unit} long or less" if advise else "")
         )
 
 

@@ -10,7 +10,7 @@ from typing import Any, cast
 import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
-from fretfe.case.base import AXES, Name, Table
+from fretfe.case.base import AXES, FILE_KINDS, Name, Table
 from fretfe.case.bodies import AnyBody, isotropic
 from fretfe.case.loads import Along, AnyLoad, Load
 from fretfe.case.materials import with_constants
@@ -42,6 +42,19 @@ def load_case(
             line per problem: file, key, what was expected and what was found.
     """
     source = Path(path)
+    for kind in FILE_KINDS:
+        if source.suffix.lower() in kind.suffixes:
+            ways = (
+                f", with bodies and boundaries of it chosen by {' or '.join(kind.ways)} in "
+                "[geometry.bodies] and [geometry.boundaries]"
+                if kind.named
+                else ""
+            )
+            raise CaseError(
+                f"{source}: expected a case file (TOML), found a {kind.text}: write one beside it "
+                f'with [geometry] file = "{source.name}"{ways}, and with materials, contacts, '
+                "supports and loads"
+            )
     data = read_tables(source, "a case file (TOML)")
     return parse_case(with_overrides(data, overrides or {}, source), source, trust_geo=trust_geo)
 

@@ -38,13 +38,16 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
     from fretfe.case import load_case, parse_assignments
     from fretfe.case.base import ABAQUS
     from fretfe.checked import check as check_case
+    from fretfe.console import Console
 
     if rank_from_environment() > 0:
         return
     if case.suffix.lower() in ABAQUS.suffixes:
         _propose(case)
         return
-    checked = check_case(load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo))
+    read = load_case(case, parse_assignments(overrides or ()), trust_geo=trust_geo)
+    with Console(stderr=True).status("making the mesh, and looking at it"):
+        checked = check_case(read)
     if checked is not None:
         _print(checked)
 
@@ -92,10 +95,13 @@ def _print(checked: Checked) -> None:
     _print_mesh(console, case, checked.mesh)
     # Of bodies in another unit, which a note tells, nothing can be expected.
     warnings: Iterable[str] = ()
+    proposals = tuple(propose(checked))
     if not any(stiffness_doubts(case)):
         warnings = tuple(pressure_doubts(case, checked.mesh, history, checked.middles))
         if not warnings and case.edges.tolerance is None:
-            coarse = coarse_contacts(case, checked.mesh, history, checked.middles)
+            coarse = coarse_contacts(
+                case, checked.mesh, history, checked.middles, advise=not proposals
+            )
             warnings = (*coarse, *end_warning(case, checked.mesh))
     for warning in (*warnings, *missed_gaps(case, checked.pairs)):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
@@ -130,7 +136,7 @@ def _print(checked: Checked) -> None:
     print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     print(f"Estimate: {checked.cost.text}")
     refuse_too_large(checked.cost)
-    for proposal in propose(checked):
+    for proposal in proposals:
         console.print(f"Proposal: {proposal}", highlight=False, markup=False)
     console.print("The case is valid.")
 

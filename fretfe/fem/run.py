@@ -15,6 +15,7 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
+from fretfe.bodies.expected import require_pressed
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Wave, case_notes
 from fretfe.contact.interface import Place, Resultant
@@ -60,6 +61,7 @@ from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import Mesh, growth_inward
 from fretfe.results.field_files import COLUMNS, DISPLACEMENTS
 from fretfe.results.model import Result
+from fretfe.surface.checks import load_mesh
 
 
 def solve(
@@ -88,8 +90,15 @@ def _solve(
     """Result, and the meshes whose models nobody refers to any more."""
     clock = Clock(options.doing)
     history = load_history(comm, case, options)
-    prepared = build_model(comm, case, clock, load)
+    prepared = build_model(comm, case, clock, partial(_pressed, case, history, load))
     return solve_prepared(prepared, case, history, options, clock), prepared.meshes
+
+
+def _pressed(case: Case, history: History, load: LoadMesh | None) -> Mesh:
+    """The mesh of a case whose contacts the loads do not only pull apart."""
+    mesh = load() if load is not None else load_mesh(case)
+    require_pressed(case, mesh, history)
+    return mesh
 
 
 def load_history(comm: MPI.Comm, case: Case, options: RunOptions) -> History:

@@ -216,7 +216,10 @@ def finer_model(mesh: Mesh, cost: Cost, surfaces: Iterable[str], sizes: tuple[fl
     if there is not None and memory > IN_MEMORY * there:
         full = cost.dense * tractions**2 * MATRICES_ON_DISK / MATRICES[3]
         memory = ALWAYS + PER_UNKNOWN_ON_DISK[3] * unknowns + full
-    return f"about {_whole(unknowns)} unknowns, {_rounded(memory / 2**30)} GB"
+    text = f"about {_whole(unknowns)} unknowns, {_rounded(memory / 2**30)} GB"
+    if there is not None and memory > there:
+        text += ", more than this machine has; with edges.tolerance only fronts get finer elements"
+    return text
 
 
 def _more(lengths: Array, sizes: tuple[float, float], power: int) -> tuple[float, int]:

@@ -53,7 +53,7 @@ class BodyMesh:
     pieces: int = 1
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Mesh:
     """Bodies by name; no two of them share a node.
 

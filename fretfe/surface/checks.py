@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -111,6 +112,10 @@ def check_contacts(mesh: Mesh, case: Case) -> None:
         raise MeshError(f"the bodies are not where contact can begin:{lines}")
 
 
+# Gaps of the pairs of surfaces of meshes: checks, advice and tables ask for them one after another.
+_GAPS: WeakKeyDictionary[Mesh, dict[tuple[str, str], InitialGap]] = WeakKeyDictionary()
+
+
 def initial_gaps(mesh: Mesh, case: Case) -> dict[str, InitialGap]:
     """Initial gap of each contact, by name.
 
@@ -119,10 +124,11 @@ def initial_gaps(mesh: Mesh, case: Case) -> dict[str, InitialGap]:
     """
     bodies = {name: body for body in mesh.bodies.values() for name in body.boundaries}
     pairs = {name: (each.surface1, each.surface2) for name, each in case.contacts.items()}
-    return {
-        name: initial_gap(*(build_surface(bodies[surface], surface) for surface in pair))
-        for name, pair in pairs.items()
-    }
+    known = _GAPS.setdefault(mesh, {})
+    for pair in pairs.values():
+        if pair not in known:
+            known[pair] = initial_gap(*(build_surface(bodies[name], name) for name in pair))
+    return {name: known[pair] for name, pair in pairs.items()}
 
 
 def _problems(name: str, initial: InitialGap, unit: str, bodies_overlap: bool) -> Iterator[str]:

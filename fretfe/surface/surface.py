@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import combinations
 
 import numpy as np
@@ -203,7 +204,7 @@ class Surface:
         """(v, d) coordinates of the corners of all facets."""
         return self.points[: self.corners.max() + 1]
 
-    @property
+    @cached_property
     def measures(self) -> Array:
         """(f,) arc lengths or areas of the facets."""
         at, weights = quadrature(self.shape, GAUSS_POINTS)

@@ -574,6 +574,15 @@ def test_a_file_that_is_not_toml_is_located(tmp_path: Path, content: bytes, expe
     assert expected in str(caught.value)
 
 
+def test_a_geometry_in_place_of_a_case(tmp_path: Path) -> None:
+    with pytest.raises(CaseError) as caught:
+        load_case(tmp_path / "x.STEP")
+    assert (
+        "expected a case file (TOML), found a CAD file: write one beside it with [geometry] "
+        'file = "x.STEP", with bodies and boundaries of it chosen by point' in str(caught.value)
+    )
+
+
 @pytest.mark.parametrize(
     ("content", "number"),
     [

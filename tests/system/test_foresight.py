@@ -25,6 +25,7 @@ from fretfe.bodies.expected import (
 from fretfe.case import load_case, parse_case
 from fretfe.checked import check, propose
 from fretfe.cli.app import app
+from fretfe.errors import ModelError
 from fretfe.evaluate.resolution import BAR_TIMES_ELEMENTS
 from fretfe.fem.backend import BACKEND
 from fretfe.loads import build_history
@@ -218,6 +219,17 @@ def test_check_and_run_say_it_first(tmp_path: Path) -> None:
     BACKEND.solve(load_case(path), RunOptions(observer=observer))
     said = ["Warning: contact main: about 5 nodes" in text for text in observer.texts]
     assert said.count(True) == 1 and observer.before_steps == len(observer.texts)
+
+
+def test_loads_that_pull_apart_are_refused_by_check_and_run(tmp_path: Path) -> None:
+    """Before anything is condensed; a body around the other one may be pulled anywhere."""
+    path = tmp_path / "pad.toml"
+    path.write_text(pad_text(loads={"press": press(-10.0)}))
+    text = "pull them apart all the time, by up to 10: turn them round"
+    with pytest.raises(ModelError, match=text):
+        check(load_case(path))
+    with pytest.raises(ModelError, match=text):
+        BACKEND.solve(load_case(path), RunOptions())
 
 
 def test_a_doubtful_stiffness_is_said_in_place_of_what_follows_from_it(tmp_path: Path) -> None:
