@@ -14,7 +14,7 @@ from fretfe.loads import build_history, told_states
 from fretfe.mesh.part import seen
 from fretfe.quality.global_run import pressed_nodes
 from fretfe.results.field_files import DISPLACEMENTS, FIELDS, FieldReader
-from fretfe.results.front_ends import FrontEnd
+from fretfe.results.front_ends import FrontEnd, free_ends
 from fretfe.results.model import Result
 
 # Times closer than this, relative to the last one, are the same.
@@ -90,7 +90,11 @@ def place_of(result: Result, around: str, end: FrontEnd | None) -> tuple[str, tu
                             "bodies whose elements have no layers")  # fmt: skip
         contact, point = end.contact, end.point
     else:
-        contact, _, station = result.find(around)
+        try:
+            contact, _, station = result.find(around)
+        except CaseError as error:
+            ends = ", ".join(each.name for each in free_ends(result))
+            raise CaseError(f"{error}{f'; free ends: {ends}' if ends else ''}") from None
         point = station.point[: 3 if contact.solid else 2]
     size = float(np.ptp(_pressed(result, contact.name), axis=0).max())
     return contact.name, _rounded(point, size)

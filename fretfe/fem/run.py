@@ -344,10 +344,10 @@ class _Run:
             return ()
         try:
             with closing(FieldOutput(self._fields, path, names)) as output:
+                self._options.doing(f"fields: {len(states)} of {len(self._history.times)}")
                 at_once = output.states_at_once
                 for first in range(0, len(states), at_once):
                     some = states[first : first + at_once]
-                    self._options.doing(f"fields: state {first + len(some)} of {len(states)}")
                     times = self._history.times[some].tolist()
                     output.add(times, state_requests(self._recorder, some))
         except OutputError as error:

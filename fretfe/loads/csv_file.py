@@ -12,7 +12,7 @@ import csv
 import math
 import re
 from array import array
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import chain
 from pathlib import Path
@@ -37,6 +37,8 @@ UNITS = frozenset(
     "m mm cm um µm μm nm in inch ft n kn mn lbf pa kpa mpa gpa bar psi ksi s sec ms min h hz "
     "1/s rpm k c °c degc f °f deg degree degrees ° rad g kg t w j mj mohm - % 1".split()
 )
+# A name with a unit behind it.
+BRACKETED = re.compile(r"(.*\S)\s*\[(.*)\]")
 # Numbers nearer to zero have lost digits: they are remains of something else.
 SMALLEST_CELL = 1e-300
 
@@ -54,6 +56,7 @@ class Table:
         columns: by name.
         lines: of the rows.
         units: cells of a row of units below the header; none without. Nothing is converted.
+        bracketed: by column, the unit in brackets behind its name in the header.
         marked: (n,) rows with a mark in the column that may have one; (0,) if none may.
     """
 
@@ -61,6 +64,7 @@ class Table:
     columns: dict[str, Array]
     lines: Sequence[int]
     units: tuple[str, ...] = ()
+    bracketed: Mapping[str, str] = field(default_factory=dict)
     marked: Bools = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     def require_increasing(self, name: str, what: str) -> None:
@@ -108,7 +112,7 @@ def read_table(
     """
     delimiter = SEPARATORS[separator] if separator else _told_delimiter(path, names)
     rows = _rows(path, delimiter)
-    header = [name.strip() for name in next(rows)[1]]
+    header, bracketed = _without_units([*map(str.strip, next(rows)[1])], {*names, *optional})
     wanted = [*names, *(name for name in optional if name in header)]
     places = [_column(path, header, name) for name in wanted]
     first = next(rows, None)
@@ -124,7 +128,8 @@ def read_table(
         and (found := _at_once(path, delimiter, first[0], len(header)))
     ):
         values, start = found
-        return Table(path, dict(zip(wanted, values[places], strict=True)), start, units)
+        named = dict(zip(wanted, values[places], strict=True))
+        return Table(path, named, start, units, bracketed)
     numbers = _Numbers(path, header, decimal_comma=delimiter != ",")
     data, lines, marked = array("d"), array("l"), []
     for line, cells in chain([first], rows):
@@ -139,7 +144,20 @@ def read_table(
         data.extend(numbers.read(line, cells, place) for place in places)
     columns = np.array(data).reshape(len(lines), len(wanted)).T
     named = dict(zip(wanted, columns, strict=True))
-    return Table(path, named, lines, units, np.array(marked, dtype=bool))
+    return Table(path, named, lines, units, bracketed, np.array(marked, dtype=bool))
+
+
+def _without_units(
+    header: Sequence[str], names: Collection[str]
+) -> tuple[list[str], dict[str, str]]:
+    """A header in which no unit in brackets follows one of some names, and these units."""
+    plain, units = [], {}
+    for cell in header:
+        found = BRACKETED.fullmatch(cell)
+        if found and cell not in names and found[1] in names:
+            units[found[1]] = found[2]
+        plain.append(found[1] if found and found[1] in units else cell)
+    return plain, units
 
 
 def _take_mark(cells: list[str], place: int, mark: re.Pattern[str]) -> bool:
@@ -289,7 +307,7 @@ def _told_delimiter(path: Path, names: Sequence[str]) -> str:
     """
     found: dict[tuple[str, ...], str] = {}
     for delimiter, header in _headers(path).items():
-        if set(names) <= set(header) and not (found and delimiter == " "):
+        if set(names) <= set(_without_units(header, names)[0]) and not (found and delimiter == " "):
             found.setdefault(header, delimiter)
     if len(found) > 1:
         kinds = " and ".join(repr(delimiter) for delimiter in found.values())

@@ -111,8 +111,9 @@ class Choices:
 
 @dataclass(frozen=True)
 class _Family:
-    """Pads of one parameter, from `low` to `high`."""
+    """Pads of one parameter, from `low` to `high`; its key in the rig."""
 
+    key: str
     low: float
     high: float
     make: Callable[[float], Profile]
@@ -202,13 +203,15 @@ def _listed(search: _Search, found: list[Choice]) -> Choices:
 def _families(rig: Rig, shape: Shape) -> Iterator[_Family]:
     pad, e_star = rig.pad, rig.e_star
     if shape == "cylinder" and pad.radius:
-        yield _Family(*pad.radius, lambda size: Hertz(size, e_star))
+        yield _Family("pad.radius", *pad.radius, lambda size: Hertz(size, e_star))
     if shape == "wedge" and pad.angle:
-        yield _Family(*pad.angle, lambda size: Wedge(math.tan(math.radians(size)), e_star))
+        yield _Family(
+            "pad.angle", *pad.angle, lambda size: Wedge(math.tan(math.radians(size)), e_star)
+        )
     if shape == "flat_rounded" and pad.radius and pad.flat_half_width:
         low, high = pad.radius
         for radius in np.geomspace(low, high, RADII if high > low else 1).tolist():
-            yield _Family(*pad.flat_half_width, _flat(radius, e_star))
+            yield _Family("pad.flat_half_width", *pad.flat_half_width, _flat(radius, e_star))
 
 
 def _nearby(rig: Rig, test: PadTest) -> Iterator[_Family]:
@@ -218,7 +221,8 @@ def _nearby(rig: Rig, test: PadTest) -> Iterator[_Family]:
     radius = getattr(test.profile, "radius", low)
     ends = max(low, radius / step), min(high, radius * step)
     for near in np.geomspace(*ends, RADII if high > low else 0).tolist():
-        yield _Family(*(rig.pad.flat_half_width or (1.0, 1.0)), _flat(near, rig.e_star))
+        flat = rig.pad.flat_half_width or (1.0, 1.0)
+        yield _Family("pad.flat_half_width", *flat, _flat(near, rig.e_star))
 
 
 def _flat(radius: float, e_star: float) -> Callable[[float], Profile]:
@@ -285,7 +289,7 @@ def _interval(
 ) -> tuple[float, float, tuple[str, str], tuple[str, ...]]:
     """The part of a family that all bounds leave: ends, bounds that bind there, or reasons."""
     ends = (pad_test(family.make(family.low), factors), pad_test(family.make(family.high), factors))
-    low, high, binding = family.low, family.high, ["the size of the pad", "the size of the pad"]
+    low, high, binding = family.low, family.high, [family.key, family.key]
     reasons = []
     for bound in bounds:
         for limit, sign in ((bound.low, 1.0), (bound.high, -1.0)):

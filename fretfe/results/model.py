@@ -209,7 +209,11 @@ class Result:
             for contact, front in fronts
         )
         known = ", ".join(" to ".join(dict.fromkeys(pair)) for pair in ends)
-        raise CaseError(f"{where}: expected one of the edges {known or '(none)'}, found {name!r}")
+        contacts = ", ".join(each.name for each in self.contacts)
+        raise CaseError(
+            f"{where}: expected one of the edges {known or '(none)'}, found {name!r}; a contact "
+            f"({contacts}) stands for its worst edge"
+        )
 
     def contact_history(self, contact: str) -> ContactHistory:
         """Return tractions, gap and slip along a contact, or along one of its patches.

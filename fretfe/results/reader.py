@@ -92,7 +92,9 @@ def read_result(directory: Path) -> Result:
         return _result(directory, parse_case(numbers["case"], source="case"), numbers)
     except (AttributeError, CaseError, IndexError, KeyError, TypeError, ValueError) as error:
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
-        raise OutputError(f"{path}: expected the results of a whole run, found: {found}") from error
+        raise OutputError(
+            f"{path}: expected the results of a whole run, found: {found}; {_remedy(numbers)}"
+        ) from error
 
 
 def read_numbers(directory: Path) -> dict[str, Any]:
@@ -129,16 +131,18 @@ def _read_numbers(directory: Path) -> dict[str, Any]:
         raise OutputError(f"{path}: expected the results of a run, found: {error}") from error
     schema = data.get("schema") if isinstance(data, dict) else None
     if schema != SCHEMA:
-        known = data.get("versions") if isinstance(data, dict) else None
-        writer = known.get("fretfe") if isinstance(known, dict) else None
-        read = f"read it with fretfe {writer}, which wrote it, or " if writer else ""
-        raise OutputError(
-            f"{path}: expected schema {SCHEMA}, found {schema}: {read}run the case again with this "
-            "version of fretfe"
-        )
+        raise OutputError(f"{path}: expected schema {SCHEMA}, found {schema}: {_remedy(data)}")
     if not are_unchanged(data):
         raise OutputError(f"{path}: expected the numbers that a run wrote, found changed ones")
     return dict(data)
+
+
+def _remedy(data: object) -> str:
+    """What to do with numbers that this version does not read, in words."""
+    known = data.get("versions") if isinstance(data, dict) else None
+    writer = known.get("fretfe") if isinstance(known, dict) else None
+    read = f"read it with fretfe {writer}, which wrote it, or " if writer else ""
+    return f"{read}run the case again with this version of fretfe"
 
 
 def _with_lists(directory: Path, numbers: dict[str, Any]) -> dict[str, Any]:
@@ -149,7 +153,7 @@ def _with_lists(directory: Path, numbers: dict[str, Any]) -> dict[str, Any]:
     """
     if ELSEWHERE not in json.dumps(numbers):
         return numbers
-    with _opened(directory / ARRAYS) as file:
+    with _opened(directory / ARRAYS, numbers) as file:
 
         def restored(value: Any) -> Any:
             if isinstance(value, dict):
@@ -164,8 +168,8 @@ def _with_lists(directory: Path, numbers: dict[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def _opened(path: Path) -> Iterator[h5py.File]:
-    """The arrays of a run.
+def _opened(path: Path, numbers: Mapping[str, Any]) -> Iterator[h5py.File]:
+    """The arrays that belong to some numbers.
 
     Raises:
         OutputError: if they cannot be read, or are of another schema.
@@ -175,6 +179,11 @@ def _opened(path: Path) -> Iterator[h5py.File]:
         with h5py.File(path, "r") as file:
             require_own(path, file, SCHEMA)
             yield file
+    except KeyError as error:  # h5py has a sentence there
+        raise OutputError(
+            f"{path}: expected arrays that this version of fretfe reads, found others: "
+            f"{error.args[0]}; {_remedy(numbers)}"
+        ) from error
     except (OSError, RuntimeError) as error:
         # h5py has both for files that are damaged.
         reason = read_fault(error) if path.exists() else "no such file"
@@ -301,7 +310,7 @@ def _columns(values: Any, times: Array) -> Array:
 def _read_arrays(
     path: Path, case: Case, history: History, numbers: Mapping[str, Any]
 ) -> tuple[Solution, dict[str, BodyMesh]]:
-    with _opened(path) as file:
+    with _opened(path, numbers) as file:
         if not np.array_equal(file["times"][:], history.times):
             raise OutputError(
                 f"{path}: expected the {len(history.times)} states of {NUMBERS}, found other "

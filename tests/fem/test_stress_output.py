@@ -254,7 +254,7 @@ def test_a_continued_run_has_the_same_stress(tmp_path: Path) -> None:
         "fields",
     ]
     assert told.done[1].startswith("condensation of the bodies: upper, ")
-    assert "edge factors: 2 of 2" in told.done and told.done[-1] == "fields: state 1 of 1"
+    assert "edge factors: 2 of 2" in told.done and told.done[-1].startswith("fields: 1 of ")
 
 
 def test_irregular_loads_have_the_states_of_the_worst_cycle(tmp_path: Path) -> None:

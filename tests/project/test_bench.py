@@ -54,7 +54,7 @@ def test_phases_of_a_run_by_its_lines() -> None:
         "condensation of the bodies: pad, 165000 unknowns ...\n",
         "step 1/55: 4 iterations, violation 3e-14\n",
         "edge factors: 3 of 8 ...\n",
-        "fields: state 1 of 3 ...\n",
+        "fields: 3 of 84 ...\n",
         "Results in there\n",
     )
     found = [bench.phase_of(line) for line in lines]

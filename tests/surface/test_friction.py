@@ -54,6 +54,16 @@ def test_over_time_it_is_that_at_the_end_of_each_step() -> None:
     assert np.array_equal(fields(case, LINE), [[0.0] * 3, [0.4] * 3])
 
 
+def test_units_in_the_header_are_those_of_the_case(tmp_path: Path) -> None:
+    rows = "\n0, .1\n3, .4\n"
+    plain = given(in_file(tmp_path, "time,friction" + rows)).over(np.array([1.0, 3.0]))
+    units = in_file(tmp_path, "time [s], friction [-]" + rows)
+    assert np.array_equal(given(units).over(np.array([1.0, 3.0])), plain)
+    other = in_file(tmp_path, "arc [m];friction\n-9;.1\n9;.4\n")
+    with pytest.raises(CaseError, match="expected arc in mm, found arc in m"):
+        given(other)
+
+
 def test_over_arc_lengths_there_are_straight_lines() -> None:
     case = with_friction({"arc": [-1, 1], "values": [0.2, 0.6]})
     assert np.allclose(fields(case, LINE), np.array([[0, 0, 0], [0.2, 0.4, 0.6]]), rtol=1e-15)

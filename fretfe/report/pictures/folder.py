@@ -148,7 +148,7 @@ def _draw(
                 )
         while waited_for(drawn, EVERY).not_done:
             there = sum((folder_of(run) / PICTURES / each.file).exists() for each in wanted)
-            say(f"picture {there + 1} of {len(wanted)}")
+            say(f"picture {min(there + 1, len(wanted))} of {len(wanted)}")
         for share in drawn:
             reports |= {file: _checked(file, report) for file, report in share.result().items()}
     return reports
