@@ -54,6 +54,7 @@ class Constraint:
         at: (gdim,) place of the only node of the boundary that it holds; empty for all of them.
         within: distance up to which a node is at that place.
         resultant: force or moment that it gives where it holds what moves by a shape.
+        overlap: true of tied parts of which its boundary moves against the one that it follows.
     """
 
     label: str
@@ -66,6 +67,7 @@ class Constraint:
     at: tuple[float, ...] = ()
     within: float = 0.0
     resultant: Resultant | None = None
+    overlap: bool = False
 
     def holds(self, points: Array) -> Bools:
         """(n,) which nodes of its boundary, at points (n, gdim), it constrains."""

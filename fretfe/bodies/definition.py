@@ -9,11 +9,11 @@ from dataclasses import dataclass
 from functools import partial
 
 from fretfe.bodies.bonds import bond_parts
-from fretfe.bodies.constraints import Constraint, support_constraints
+from fretfe.bodies.constraints import Constraint, Driven, support_constraints
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.loads.cut import Asked, Cut
 from fretfe.bodies.loads.kinds import require_one_rotation, spread_loads
-from fretfe.bodies.loads.motion import moved_boundaries, read_all_cuts
+from fretfe.bodies.loads.motion import moved_boundaries, overlaps, read_all_cuts
 from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.bodies.loads.strain import require_temperatures
 from fretfe.case import Case
@@ -118,29 +118,26 @@ def _define_body(
     own_cuts = [each for each in cuts.values() if each[0].body == name]
     held = [each for each in support_constraints(case, size) if each.constraint.boundary in own]
     constrained = moved_boundaries(case, mesh.bodies[name], own_cuts) + held
-    constraints = tuple(each.constraint for each in constrained)
-    coordinates = tuple(
-        Coordinate(
-            each.constraint.label,
-            name,
-            each.control,
-            each.channel,
-            each.course,
-            each.constraint.resultant,
-        )
-        for each in constrained
-    )
-    pairs = list(zip(constraints, coordinates, strict=True))
+    pairs = [(each.constraint, _coordinate(name, each)) for each in constrained]
+    bond = bond_parts(case, mesh.bodies[name], surfaces, pairs)
+    constrained += overlaps(case, mesh.bodies[name], bond)
     return BodyDefinition(
         name=name,
         material=Material.of(case.bodies[name], case.model.plane),
-        constraints=constraints,
-        coordinates=coordinates,
+        constraints=tuple(each.constraint for each in constrained),
+        coordinates=tuple(_coordinate(name, each) for each in constrained),
         surfaces=tuple(surfaces),
-        bond=bond_parts(case, mesh.bodies[name], surfaces, pairs),
+        bond=bond,
         tie=_tie(case, mesh.bodies[name]),
         cuts=tuple(cut for _, cut in own_cuts),
         components=size,
+    )
+
+
+def _coordinate(body: str, each: Driven) -> Coordinate:
+    constraint = each.constraint
+    return Coordinate(
+        constraint.label, body, each.control, each.channel, each.course, constraint.resultant
     )
 
 

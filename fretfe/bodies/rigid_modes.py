@@ -387,7 +387,10 @@ def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMo
     count = rigid_motions(points[:1], components).shape[2]
     parts, labels = [], []
     for body in bodies:
-        driven = [i for i, each in enumerate(body.coordinates) if each.control == "force"]
+        driven = [
+            i for i, each in enumerate(body.coordinates)
+            if each.control == "force" and not body.constraints[i].overlap
+        ]  # fmt: skip
         labels += [body.coordinates[i].label for i in driven]
         rows = [np.zeros((0, count + len(driven)))]
         rows += _constraint_rows(body, mesh.bodies[body.name], driven, centre, size)
@@ -424,6 +427,8 @@ def _constraint_rows(
     """Constraints (n, 3, 4 or 6 + forces) on the rigid motion and the amplitudes of platens."""
     taken: Bools = np.zeros((len(mesh.points), body.components), dtype=bool)
     for constraint in body.constraints:
+        if constraint.overlap:
+            continue
         nodes = np.unique(mesh.boundaries[constraint.boundary])
         nodes = nodes[constraint.holds(mesh.points[nodes])]
         points = mesh.points[nodes]

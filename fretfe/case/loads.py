@@ -151,6 +151,11 @@ class Load(Table):
         return getattr(self, "contact", "")
 
     @property
+    def tightens(self) -> str:
+        """Tie whose parts it lets overlap, if it does that."""
+        return getattr(self, "tie", "")
+
+    @property
     def push(self) -> Push | None:
         """Force on its boundary, not uniform unless its kind says so; None if it gives none."""
         known = self.moves or self.rigid or not self.on
@@ -539,6 +544,26 @@ class InterferenceLoad(Load):
     history_unit = "{length}"
 
 
+class PretensionLoad(Load):
+    """A bolt that is tightened: tied parts overlap across the plane in which it was cut."""
+
+    type: Literal["pretension"] = Field(
+        description='"pretension": tied parts overlap along the normal of their boundaries, as a '
+        "bolt becomes shorter that is tightened."
+    )
+    tie: Name = Field(description="Table of [ties] whose boundaries overlap, which are plane.")
+    control: Literal["force", "displacement"] = Field(
+        description='What the history prescribes: "force", the tension in the bolt for the whole '
+        'thickness, in force units, or "displacement", the overlap, in length units.'
+    )
+
+    moves = True
+
+    def unit(self, units: Units) -> str:
+        """Unit of the history, in those of a case."""
+        return units.force if self.control == "force" else units.length
+
+
 class TemperatureLoad(LoadAtPoints):
     """A change of temperature, by which bodies expand."""
 
@@ -638,7 +663,7 @@ class EigenstrainLoad(Load):
 KINDS: tuple[type[Load], ...] = (
     PlatenLoad, TiltLoad, TractionLoad, DisplacementLoad, ShapeLoad, FieldLoad,
     TemperatureFieldLoad, ForceLoad, RotationLoad, AccelerationLoad, InterferenceLoad,
-    TemperatureLoad, EigenstrainLoad,
+    PretensionLoad, TemperatureLoad, EigenstrainLoad,
 )  # fmt: skip
 # By the type that the case file calls them by.
 LOADS = {get_args(kind.model_fields["type"].annotation)[0]: kind for kind in KINDS}

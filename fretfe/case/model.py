@@ -76,6 +76,7 @@ def cross_problems(
         *_body_problems(bodies, loads),
         *_need_problems(bodies, loads),
         *_interference_problems(contacts, loads),
+        *_pretension_problems(ties, loads),
         *_side_problems(contacts, supports, loads, symmetry, ties),
         *_axis_problems(symmetry),
         *_load_axis_problems(loads, symmetry),
@@ -175,7 +176,7 @@ def _displacement_problems(
         for axis in support.fix
     }
     for name, load in loads.items():
-        if not load.moves:
+        if not (load.moves and load.on):
             continue
         for axis in AXES if load.along is None else (load.along,):
             component = (load.on, axis)
@@ -226,6 +227,19 @@ def _interference_problems(
             expected = ", ".join(map(repr, contacts)) or "none"
             text = f"expected one of the contacts {expected}, found {load.closes!r}"
             yield Problem(("loads", name, "contact"), text)
+
+
+def _pretension_problems(
+    ties: Mapping[str, TiedParts], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    used: dict[str, str] = {}
+    for name, load in loads.items():
+        if (tie := load.tightens) and (tie not in ties or tie in used):
+            others = ", ".join(map(repr, ties.keys() - used.keys())) or "none"
+            taken = f", which loads.{used[tie]} has" if tie in used else ""
+            text = f"expected one of the ties {others}, found {tie!r}{taken}"
+            yield Problem(("loads", name, "tie"), text)
+        used.setdefault(tie, name)
 
 
 def _side_problems(

@@ -535,11 +535,15 @@ def _body_balance(
 
 
 def _reactions(reduction: Reduction, definition: BodyDefinition, forces: Array) -> Array:
-    """(n, d) sum of the forces (n, m) that the constrained boundaries exert on a body."""
+    """(n, d) sum of the forces (n, m) that the constrained boundaries exert on a body.
+
+    Parts that overlap push each other.
+    """
     d, count = reduction.interface.components, len(definition.constraints)
-    directions = np.array([c.direction for c in definition.constraints]).reshape(count, d)
+    rest = (0.0,) * d
+    directions = [rest if c.overlap else c.direction for c in definition.constraints]
     # Rigid modes restrained by contact come last, and no force acts on them.
-    return np.asarray(forces[:, :count] @ directions)
+    return np.asarray(forces[:, :count] @ np.array(directions).reshape(count, d))
 
 
 def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:

@@ -55,6 +55,8 @@ class Restraints:
         self._frames: dict[int, Array] = {}
         holder = np.full(unknowns, "", dtype=object)
         for number, constraint in enumerate(constraints):
+            if constraint.overlap:
+                continue
             nodes = elastic.boundary_nodes(constraint.boundary)
             nodes = nodes[constraint.holds(points[nodes])]
             if constraint.roller:
@@ -71,6 +73,10 @@ class Restraints:
         self._tie = tie
         if tie is not None:
             self._tie_sides(tie, values)
+            for number, constraint in enumerate(constraints):
+                if constraint.overlap:  # what followers move more than they have to
+                    nodes = elastic.boundary_nodes(constraint.boundary)
+                    values[number, nodes] = constraint.direction
         self._nodes = np.array(sorted(self._frames), dtype=np.int64)
         axes = [self._frames[node] for node in self._nodes.tolist()]
         self._axes = np.array(axes).reshape(len(axes), elastic.components, elastic.components)

@@ -98,12 +98,12 @@ JOINED = (
     "it joins nodes or parts, which would come apart here: mesh them as one part with common "
     "nodes, or make them bodies of their own in contact"
 )
-_SHORTENED = (
-    "pretension is no load of its own: make the bolt a body, and shorten it by a load of type "
-    "temperature on that body until it carries its force"
+_CUT = (
+    "cut the mesh of the bolt in two there, so that both sides have nodes and a surface of their "
+    "own, tie these by [ties.NAME], and tighten the bolt by a load of type pretension of that tie"
 )
 REFUSED = {
-    "PRE-TENSIONSECTION": _SHORTENED,
+    "PRE-TENSIONSECTION": _CUT,
     **dict.fromkeys(
         (
             *("NGEN", "NFILL", "NCOPY", "NMAP", "ELGEN", "ELCOPY", "SYSTEM", "IMPERFECTION"),

@@ -138,7 +138,7 @@ def _read_numbers(directory: Path) -> dict[str, Any]:
 
 
 def _remedy(data: object) -> str:
-    """What to do with numbers that this version does not read, in words."""
+    """Remedy for numbers that this version does not read, in words."""
     known = data.get("versions") if isinstance(data, dict) else None
     writer = known.get("fretfe") if isinstance(known, dict) else None
     read = f"read it with fretfe {writer}, which wrote it, or " if writer else ""

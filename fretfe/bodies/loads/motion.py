@@ -10,12 +10,20 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.bodies.constraints import Constraint, Driven, NodalShape
+from fretfe.bodies.cyclic import Tie
 from fretfe.bodies.loads.cut import Asked, Cut, read_cuts
 from fretfe.bodies.loads.files import values_at_points
 from fretfe.bodies.point_values import PointValues, require_points_around, require_points_beside
 from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.base import AXES
-from fretfe.case.loads import DisplacementLoad, Load, PlatenLoad, ShapeLoad, TiltLoad
+from fretfe.case.loads import (
+    DisplacementLoad,
+    Load,
+    PlatenLoad,
+    PretensionLoad,
+    ShapeLoad,
+    TiltLoad,
+)
 from fretfe.contact.interface import Resultant
 from fretfe.errors import CaseError, MeshError
 from fretfe.mesh.mesh import BodyMesh, Mesh
@@ -50,6 +58,35 @@ def moved_boundaries(case: Case, body: BodyMesh, cuts: Sequence[tuple[Asked, Cut
     shapes = {name: load for name, load in own.items() if isinstance(load, ShapeLoad)}
     moved += [each for name, load in shapes.items() for each in _shape(case, name, load, body)]
     return moved + [each for cut in cuts for each in _cut(*cut)]
+
+
+def overlaps(case: Case, body: BodyMesh, bond: Tie | None) -> list[Driven]:
+    """Overlaps of the tied parts of a body, by which bolts are tightened.
+
+    The parts of a unit amplitude a move by u_s - u_m = a n, n the normal out of the part that
+    follows: its conjugate is the force across the cut, positive in tension.
+
+    Raises:
+        CaseError: a boundary is not plane.
+    """
+    found = []
+    for name, load in case.loads.items():
+        if bond is None or not isinstance(load, PretensionLoad):
+            continue
+        tie = case.ties[load.tie]
+        (boundary,) = {tie.boundary1, tie.boundary2} & {*bond.groups[0]} or {""}
+        if not boundary:
+            continue
+        surface = boundary_surface(body, boundary)
+        normal = surface.normals.reshape(-1, surface.dimension).mean(axis=0)
+        normal /= np.linalg.norm(normal)
+        if (surface.normals @ normal).min() < 1 - 1e-6:
+            text = f"expected a plane, across which a bolt is cut, found the bent {boundary!r}"
+            raise CaseError(complaint(case.source, ("loads", name, "tie"), text))
+        direction = (*map(float, normal), *(case.components(len(normal)) - len(normal)) * (0.0,))
+        constraint = Constraint(name, boundary, direction, overlap=True)
+        found.append(Driven(constraint, load.control, name))
+    return found
 
 
 def _platen(boundary: str, loads: Mapping[str, Load], size: int) -> Iterator[Driven]:
