@@ -151,7 +151,7 @@ def test_ticks_of_a_boundary_whose_force_is_held(
     figures[0].draw_without_rendering()
     ticks = [each.get_text() for each in left.get_xticklabels()]
     assert len(set(ticks)) == len(ticks) > 2
-    assert left.get_xlabel() == "displacement plus 0.0193 mm [nm]"
+    assert left.get_xlabel() == "displacement [nm]\nplus 0.0193 mm"
     assert [each.get_text() for each in left.get_yticklabels()] == ["-2900"]
 
 

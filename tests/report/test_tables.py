@@ -72,7 +72,7 @@ def large(contact: Contact) -> Contact:
     )  # fmt: skip
 
 
-@pytest.mark.parametrize(("part", "shown"), [(1e-13, "0 … 0"), (1e-9, "1e-7 … 1e-7")])
+@pytest.mark.parametrize(("part", "shown"), [(1e-13, "0"), (1e-9, "1e-7")])
 def test_shear_that_is_round_off_of_p_is_none(part: float, shown: str) -> None:
     run = solved("halfplane")
     normal = np.full_like(run.contacts[0].normal_force, 100.0)

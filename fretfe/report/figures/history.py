@@ -377,10 +377,10 @@ def _work_loop(
             scale, unit_shown = with_prefix(moved_unit, float(np.abs(values).max()))
             axes.plot(values[seen] / scale, force[seen], ".-", ms=4, lw=1.2, color=BLUE)
             plain_axis(axes, "x")
-            name = "less its slope" if values is reduced else moved
+            name = f"{'less its slope' if values is reduced else moved} [{unit_shown}]"
             if middle and values is not reduced:
-                name += f" {'less' if middle > 0 else 'plus'} {abs(middle):g} {moved_unit}"
-            axes.set_xlabel(f"{name} [{unit_shown}]")
+                name += f"\n{'less' if middle > 0 else 'plus'} {abs(middle):g} {moved_unit}"
+            axes.set_xlabel(name)
             axes.tick_params(axis="x", labelrotation=30)
         if np.ptp(force) <= ROUND_OFF * np.abs(force).max():
             panels[0].set_yticks([force[0]], [number(float(force[0]))])

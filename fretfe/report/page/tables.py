@@ -30,6 +30,7 @@ from fretfe.report.texts import (
     number,
     percent,
     plain_table,
+    rounded,
     with_error,
     with_prefix,
 )
@@ -245,7 +246,9 @@ def timing_table(seconds: Mapping[str, float]) -> Table:
 def _range(values: Array, digits: int = 4) -> str:
     if not np.isfinite(values).all():
         return MISSING
-    return f"{number(values.min(), digits)} … {number(values.max(), digits)}"
+    # a constant, and forces of thousands, without an exponent
+    ends = [rounded(float(each), digits) for each in (values.min(), values.max())]
+    return " … ".join(dict.fromkeys(ends))
 
 
 def cycle_table(run: Result) -> Table | None:

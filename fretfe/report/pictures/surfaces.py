@@ -359,7 +359,8 @@ def reading(sheet: Sheet) -> str:
     """Legend of the picture of a surface."""
     plane, units = sheet.plane, sheet.run.case.units
     right, up = (direction_text(direction) for direction in plane.directions)
-    middle = ", ".join(number(float(value) if abs(value) > 1e-9 else 0.0) for value in plane.middle)
+    least = 1e-6 * float(np.ptp(sheet.contact.surface.points, axis=0).max())
+    middle = ", ".join(number(float(v) if abs(v) > least else 0.0) for v in plane.middle)
     stretched = "" if sheet.true_aspect >= LOWEST else " The axes have different scales."
     arrows = (
         f" Arrows: shear that body 1 exerts on body 2, the longest {rounded(sheet.shear)} "
