@@ -101,6 +101,7 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (exchange.compare, exchange.COMPARE_EXAMPLES),
     (exchange.export, exchange.EXPORT_EXAMPLES),
     (exchange.forces, exchange.FORCES_EXAMPLES),
+    (exchange.joint, exchange.JOINT_EXAMPLES),
     (exchange.submodel, exchange.SUBMODEL_EXAMPLES),
     (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
     (lists.animate, lists.ANIMATE_EXAMPLES),

@@ -52,6 +52,17 @@ EDGE_ROWS = {
     "slip_from_traction": "slip zone, from |q| = f p",
 }
 
+# Numbers of a loop, with what they are called and the kind of their unit.
+JOINT_ROWS = {
+    "force_range": ("range of the force", "force"),
+    "displacement_range": ("of the displacement", "length"),
+    "stiffness": ("secant stiffness", "stiffness"),
+    "stuck_stiffness": ("of the bodies stuck together", "stiffness"),
+    "joint_stiffness": ("of the contacts by slip", "stiffness"),
+    "loss_factor": ("loss factor", ""),
+    "slip_range": ("displacement by slip", "length"),
+}
+
 EDGES_EXAMPLES = examples(
     "fretfe edges tractions.csv --friction 0.6",
     "fretfe edges abaqus.csv --friction 0.6",
@@ -286,6 +297,48 @@ def export(
         print(f"{each.path}: {rows}")
     if result.failure is not None:
         console.print(f"Note: the run is not complete: {result.failure}", markup=False)
+
+
+JOINT_EXAMPLES = examples("fretfe joint pad", "fretfe joint pad --csv loops.csv")
+
+
+def joint(
+    results: Results,
+    loops: Annotated[
+        Path | None,
+        typer.Option("--csv", help="File for the loops of force over displacement."),
+    ] = None,
+    as_json: AsJson = False,
+) -> None:
+    """Stiffness and damping of the contacts, for models of vibrations.
+
+    Force and displacement of each driven boundary in the evaluated cycle, the part by slip, secant
+    stiffnesses, and the loss factor.
+    """
+    if rank_from_environment() > 0:
+        return
+    from fretfe.api import load_result
+    from fretfe.exchange.joint import joint_loops, write_loops
+
+    result = load_result(results)
+    found = joint_loops(result)
+    if loops is not None:
+        write_loops(loops, found)
+    if as_json:
+        rows = [{key: json_value(getattr(each, key)) for key in JOINT_ROWS} for each in found]
+        print(json.dumps(rows, indent=2, allow_nan=False))
+        return
+    force, length = result.case.units.force, result.case.units.length
+    units = {"force": force, "length": length, "stiffness": f"{force}/{length}"}
+    table = plain_table("Evaluated cycle", ("", "unit", *(each.driver for each in found)), text=2)
+    for key, (title, kind) in JOINT_ROWS.items():
+        table.add_row(title, units.get(kind, ""), *(number(getattr(each, key)) for each in found))
+    for name in found[0].slip:
+        cells = (number(each.swing(each.slip[name])) for each in found)
+        table.add_row(f"  by slip in {name}", length, *cells)
+    print_whole(table)
+    if loops is not None:
+        print(loops)
 
 
 FORCES_EXAMPLES = examples(

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contacts as joints: loops of driven boundaries, and what slip adds to them."""
+
+from __future__ import annotations
+
+import csv
+import json
+from functools import cache, partial
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from cases.pad_cases import HOLD, PAD, pad, press, wave
+from typer.testing import CliRunner
+
+import fretfe
+from fretfe.case import parse_case
+from fretfe.cli.app import app
+from fretfe.errors import OutputError
+from fretfe.exchange.joint import Loop, joint_loops
+from fretfe.results.model import Result
+from fretfe.results.writer import write_results
+
+
+@cache
+def solved(amplitude: float, thickness: float = 1.0, pulsing: bool = False) -> Result:
+    shear = {**PAD["loads"]["shear"], "history": [HOLD, wave(amplitude, cycles=2, steps=40)]}
+    loads: dict[str, Any] = {"press": press(), "shear": shear}
+    if pulsing:
+        turn = {"ramp": -500.0, "until": 2.5, "steps": 20}
+        back = {"ramp": -600.0, "until": 3.0, "steps": 20}
+        held = {"hold": True, "until": 2.0}
+        loads["press"] = {**press(), "history": [*press()["history"], held, turn, back]}
+    return fretfe.run(
+        parse_case(pad(loads=loads, model={"thickness": thickness})), backend="halfplane"
+    )
+
+
+def loop(result: Result) -> Loop:
+    (found,) = joint_loops(result)
+    return found
+
+
+def test_without_slip_the_boundary_moves_as_the_stuck_bodies_do() -> None:
+    found = loop(solved(160.0))
+    assert found.driver == "shear"
+    stuck = found.displacement - found.displacement[0] - found.slip["main"]
+    force = found.force - found.force[0]
+    assert np.abs(stuck - force / found.stuck_stiffness).max() < 1e-12 * np.abs(stuck).max()
+
+
+def test_slip_does_the_friction_work() -> None:
+    found = loop(solved(160.0))
+    by_slip, whole = (
+        float(np.trapezoid(found.force, each)) for each in (found.slip["main"], found.displacement)
+    )
+    assert by_slip == pytest.approx(whole, rel=1e-9)
+    # Of steps within which the pressure is even, but not the shear.
+    assert found.work == pytest.approx(whole, rel=0.01)
+    size = np.pi * found.force_range * found.displacement_range
+    assert found.loss_factor == pytest.approx(4 * found.work / size, rel=1e-12)
+
+
+def test_stiffnesses_are_in_series() -> None:
+    found = loop(solved(160.0))
+    parts = 1 / found.stuck_stiffness + 1 / found.joint_stiffness
+    assert 1 / found.stiffness == pytest.approx(parts, rel=1e-12)
+    assert found.force_range == pytest.approx(320.0, rel=1e-9)
+    less = loop(solved(80.0))
+    assert less.stuck_stiffness == pytest.approx(found.stuck_stiffness, rel=1e-6)
+    assert less.joint_stiffness > 2.2 * found.joint_stiffness
+    assert less.loss_factor < 0.6 * found.loss_factor
+
+
+def test_masing() -> None:
+    """Each branch of the loop is first loading, twice as large."""
+    first = loop(solved(80.0))
+    large = loop(solved(160.0))
+    # Slip at the reversal of a cycle of ±Q is that of first loading to Q.
+    path = solved(160.0).solution
+    states = np.flatnonzero((path.times > 1.0) & (path.times <= 1.25))
+    contact = path.contacts[0]
+    units = contact.full_stick.fields[int(contact.full_stick.area[states[-1]])][:, 1]
+    units = units[:, path.drivers.index("shear")]
+    slip = contact.slip[states][:, :, 0] - contact.slip[states[0] - 1][:, 0]
+    moved = slip @ (contact.surface.weights * units)
+    force = path.driver_values[states, path.drivers.index("shear")]
+    for found, load in ((first, 80.0), (large, 160.0)):
+        expected = 2 * load**2 * np.interp(load, force, moved / force**2)
+        assert found.slip_range == pytest.approx(expected, rel=0.01)
+
+
+def test_the_thickness_counts() -> None:
+    # Q and P are those of the whole thickness: of half of it per length.
+    found = loop(solved(160.0, thickness=2.0))
+    assert found.force_range == pytest.approx(320.0, rel=1e-9)
+    by_slip = float(np.trapezoid(found.force, found.slip["main"]))
+    assert found.work == pytest.approx(by_slip, rel=0.01)
+    # Nearly twice as stiff in all: half of P per length makes a narrower contact.
+    assert 1.9 < found.stuck_stiffness / loop(solved(160.0)).stuck_stiffness < 2.1
+
+
+def test_two_loads_have_a_loop_each_and_no_loss_factor() -> None:
+    found = {each.driver: each for each in joint_loops(solved(80.0, pulsing=True))}
+    assert set(found) == {"shear", "normal"}
+    assert all(np.isnan(each.loss_factor) for each in found.values())
+
+
+def test_the_command_prints_and_writes(tmp_path: Path) -> None:
+    write_results(tmp_path, solved(160.0))
+    run = partial(CliRunner().invoke, app)
+    text = run(["joint", str(tmp_path), "--csv", str(tmp_path / "loops.csv")]).output
+    assert "secant stiffness" in text and "by slip in main" in text
+    with (tmp_path / "loops.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert [float(row["force"]) for row in rows] == loop(solved(160.0)).force.tolist()
+    (found,) = json.loads(run(["joint", str(tmp_path), "--json"]).output)
+    assert found["loss_factor"] == pytest.approx(loop(solved(160.0)).loss_factor, rel=1e-9)
+
+
+def test_a_run_without_a_cycle_is_refused() -> None:
+    shear = {**PAD["loads"]["shear"], "history": [HOLD, {"ramp": 60.0, "until": 2.0, "steps": 2}]}
+    case = parse_case(pad(loads={**PAD["loads"], "shear": shear}))
+    with pytest.raises(OutputError, match="expected an evaluated cycle, found none"):
+        joint_loops(fretfe.run(case, backend="halfplane"))
