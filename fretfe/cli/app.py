@@ -17,7 +17,7 @@ from typing import Annotated
 
 import typer
 
-from fretfe.cli import exchange, laboratory, lists, meshes, run
+from fretfe.cli import exchange, laboratory, lists, meshes, other_models, run
 from fretfe.environment import (
     memory_shortage,
     missing_folder,
@@ -100,8 +100,8 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (exchange.edges, exchange.EDGES_EXAMPLES),
     (exchange.compare, exchange.COMPARE_EXAMPLES),
     (exchange.export, exchange.EXPORT_EXAMPLES),
-    (exchange.forces, exchange.FORCES_EXAMPLES),
-    (exchange.joint, exchange.JOINT_EXAMPLES),
+    (other_models.forces, other_models.FORCES_EXAMPLES),
+    (other_models.joint, other_models.JOINT_EXAMPLES),
     (exchange.submodel, exchange.SUBMODEL_EXAMPLES),
     (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
     (lists.animate, lists.ANIMATE_EXAMPLES),
