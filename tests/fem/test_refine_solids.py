@@ -133,7 +133,7 @@ def test_solids_of_a_cad_file_begin_with_an_element_size(step: Path) -> None:
 @pytest.mark.slow
 def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
     data = cad_tables(step, size=0.5)
-    data["edges"] = {"tolerance": 0.05, "stations": 12, "unknowns": 150_000}
+    data["edges"] = {"tolerance": 0.05, "stations": 12, "unknowns": 150_000, "local": False}
     result = BACKEND.solve(parse_case(data), RunOptions())
     refinement = result.refinement
     assert refinement is not None and refinement.converged, refinement
@@ -153,7 +153,7 @@ def test_sphere_until_the_limit() -> None:
     """A mesh with too many unknowns is not solved; what the one before gave is kept."""
     data = tables(FRICTION, shear=cycles())
     data["geometry"]["parameters"] = {"size": 0.2, "growth": 0.6}
-    data |= {"edges": {"tolerance": 1e-3, "unknowns": 110_000, "stations": 12}}
+    data |= {"edges": {"tolerance": 1e-3, "unknowns": 110_000, "stations": 12, "local": False}}
     data |= {"cycle": {"start": 4.0, "end": 6.0, "more": 0}}
     told = Told()
     result = BACKEND.solve(parse_case(data), RunOptions(observer=told))
