@@ -92,12 +92,7 @@ def add_integrals(
 class _Common:
     """A solved history, from which integrals of both dimensions are planned.
 
-    Args:
-        model: the bodies.
-        recorder: holds the solved states.
-        march: solved them.
-        solution: the same states in physical units.
-        moving: state around which loads are changed to see how edges move.
+    Around the state `moving` loads are changed to see how edges move.
     """
 
     def __init__(
@@ -113,10 +108,7 @@ class _Common:
 
 
 def _reference(solution: Solution, tracks: Tracks) -> int:
-    """State whose fronts have the stations of solids, which loads may move by a part of an element.
-
-    It is in the cycle, or the last one.
-    """
+    """State whose fronts have the stations of solids: in the cycle, or the last one."""
     states = [track.state for each in tracks.values() for track in each]
     return states[0] if states else moving_state(solution)
 
