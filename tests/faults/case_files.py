@@ -5,15 +5,17 @@ from __future__ import annotations
 
 import copy
 import os
+import shutil
 from collections.abc import Iterator
-from itertools import cycle
+from dataclasses import replace
+from itertools import cycle, product
 from pathlib import Path
 from random import Random
 from typing import Any
 
 import tomli_w
-from faults.fault import CHECK, HALFPLANE, Fault, damaged, text_fault
-from faults.originals import PAD, SOLID, leaves
+from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged, text_fault
+from faults.originals import BETWEEN, COATED, PAD, SOLID, leaves
 
 HUGE = 10**400
 # Hostile values, as TOML has them.
@@ -88,15 +90,35 @@ def _set(tables: dict[str, Any], path: tuple[Any, ...], value: Any) -> dict[str,
 def _values() -> Iterator[Fault]:
     random = Random(18)
     commands = cycle((HALFPLANE, CHECK, HALFPLANE))
-    for kind, tables in (("plane", PAD), ("solid", SOLID)):
-        pairs = [(path, name) for path in leaves(tables) for name in VALUES]
-        for path, name in random.sample(pairs, 190 if kind == "plane" else 40):
-            text = tomli_w.dumps(_set(tables, path, PLACEHOLDER))
-            text = text.replace(f'"{PLACEHOLDER}"', VALUES[name])
+    for kind, tables, count in (("plane", PAD, 190), ("solid", SOLID, 40)):
+        for path, name in random.sample(list(product(leaves(tables), VALUES)), count):
             command = next(commands) if kind == "plane" else CHECK
-            where = ".".join(map(str, path))
-            bad = name in ("nan", "inf", "-inf", "4400 digits", "deep", "date", "table")
-            yield text_fault(f"toml/{kind}/{where} = {name}", command, text, bad or None)
+            yield _with_value(kind, tables, path, name, command)
+    between = [path for path in leaves(COATED) if set(path) & BETWEEN.keys()]
+    for path, name in product(between, VALUES):
+        fault = _with_value("coated", COATED, path, name, CHECK)
+        yield replace(fault, prepare=beside("gap.csv", fault.prepare))
+
+
+def _with_value(
+    kind: str, tables: dict[str, Any], path: tuple[Any, ...], name: str, command: tuple[str, ...]
+) -> Fault:
+    text = tomli_w.dumps(_set(tables, path, PLACEHOLDER))
+    text = text.replace(f'"{PLACEHOLDER}"', VALUES[name])
+    bad = name in ("nan", "inf", "-inf", "4400 digits", "deep", "date", "table")
+    return text_fault(
+        f"toml/{kind}/{'.'.join(map(str, path))} = {name}", command, text, bad or None
+    )
+
+
+def beside(file: str, prepare: Prepare) -> Prepare:
+    """The same beside a good file."""
+
+    def write(good: Path, here: Path) -> None:
+        prepare(good, here)
+        shutil.copy(good / file, here)
+
+    return write
 
 
 def _keys() -> Iterator[Fault]:

@@ -43,6 +43,16 @@ SOLID: dict[str, Any] = {
     "geometry": {**PAD["geometry"], "solid": {"length": 2.0, "layers": 1}, "order": 1},
     "model": {"degree": 1},
 }
+# With all that may lie between the surfaces.
+BETWEEN: dict[str, Any] = {
+    "friction": {"times": [0.0, 1.0, 3.0], "values": [0.4, 0.4, 0.5]},
+    "layer": {"normal": 1e6, "tangential": 5e5},
+    "gap": "gap.csv",
+}
+COATED: dict[str, Any] = {
+    **PAD,
+    "contacts": {"main": {**PAD["contacts"]["main"], **BETWEEN}},
+}
 MESHES = ("pad.msh", "pad22.msh", "binary.msh", "binary22.msh", "solid.msh", "pad.inp")
 GRIDS = ("pad.xdmf", "text.xdmf")
 DRAWINGS = ("pad.step", "pad.brep", "cubes.step", "cubes.brep")
@@ -142,6 +152,12 @@ def csv_case(**options: Any) -> str:
     return tomli_w.dumps({**PAD, **tables})
 
 
+def between_case(**keys: Any) -> str:
+    """A case with keys of what lies between the surfaces of its contact."""
+    contacts = {"main": {**PAD["contacts"]["main"], **keys}}
+    return tomli_w.dumps({**PAD, "contacts": contacts})
+
+
 def points_case() -> str:
     """A case whose temperatures are in points.csv."""
     warm = {"expansion": 1e-5, "reference_temperature": 20.0}
@@ -215,6 +231,11 @@ def write_originals(folder: Path) -> None:
     _write_grids(folder)
     rows = "".join(f"{t:g},{q:.6g}\n" for t, q in ROWS)
     (folder / "loads.csv").write_text("t,q\n" + rows)
+    arc = np.linspace(-3, 3, 31)
+    rows = "".join(f"{a:.6g},{a**2 / 1000:.6g}\n" for a in arc)
+    (folder / "gap.csv").write_text("arc,gap\n" + rows)
+    rows = "".join(f"{a:.6g},{0.4 + a**2 / 100:.6g}\n" for a in arc)
+    (folder / "friction.csv").write_text("arc,friction\n" + rows)
     corners = "".join(f"{x},{y},{x + y + 90}\n" for x in (-30, 0, 30) for y in (-40, 0, 40))
     (folder / "points.csv").write_text("x,y,T\n" + corners)
     rows = "".join(f"{x},{y},{y / 1e4},0\n" for x in (-30, 30) for y in (-40, -20, 0, 40))

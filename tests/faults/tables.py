@@ -9,6 +9,7 @@ from faults.changed import file_faults, with_file
 from faults.fault import HALFPLANE, Fault
 from faults.originals import (
     MATERIAL,
+    between_case,
     csv_case,
     factors_case,
     material_case,
@@ -21,6 +22,7 @@ from faults.originals import (
 def faults() -> Iterator[Fault]:
     """All of them, and the files as they should be."""
     yield from _load_tables()
+    yield from _tables_between()
     yield from _point_tables()
     yield from _shape_tables()
     yield from _factor_tables()
@@ -57,6 +59,31 @@ def _load_tables() -> Iterator[Fault]:
         "thousands": "t;q\n0;0\n1;1.000,5\n",
     }
     yield from file_faults(file, text, contents, 24, command=HALFPLANE)
+
+
+def _tables_between() -> Iterator[Fault]:
+    """Gaps and coefficients of friction along the surface, as the numbers in a column."""
+    for column, case in (
+        ("gap", {"gap": "gap.csv"}),
+        ("friction", {"friction": {"csv": "friction.csv"}}),
+    ):
+        contents = {
+            "empty": "",
+            "header alone": f"arc,{column}\n",
+            "no column": "arc,value\n-3,0\n3,0\n",
+            "no places": f"{column}\n0\n0\n",
+            "two kinds of places": f"arc,x,y,{column}\n-3,0,0,0\n3,0,0,0\n",
+            "x alone": f"x,{column}\n-3,0\n3,0\n",
+            "of solids": f"x,y,z,{column}\n-3,0,0,0\n3,0,0,0\n",
+            "half of the surface": f"arc,{column}\n0,0.1\n3,0.1\n",
+            "far away": f"x,y,{column}\n70,0,0.1\n73,0,0.1\n",
+            "one point": f"x,y,{column}\n0,0,0.1\n",
+            "backwards": f"arc,{column}\n3,0.1\n-3,0.1\n",
+            "negative": f"arc,{column}\n-3,-0.1\n3,-0.1\n",
+            "nan": f"arc,{column}\n-3,nan\n3,0\n",
+            "huge": f"arc,{column}\n-3,1e300\n3,0\n",
+        }
+        yield from file_faults(f"{column}.csv", between_case(**case), contents, 12)
 
 
 def _point_tables() -> Iterator[Fault]:
