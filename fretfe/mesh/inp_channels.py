@@ -11,6 +11,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fretfe.mesh.inp import real
+from fretfe.mesh.inp_cards import Card
 from fretfe.mesh.inp_groups import SAME
 
 TomlTable = dict[str, Any]
@@ -27,6 +29,23 @@ class Amplitude(NamedTuple):
     def at(self, time: float) -> float:
         """Factor at a time."""
         return float(np.interp(time, self.times, self.values))
+
+
+def read_amplitude(card: Card) -> dict[str, Amplitude]:
+    """The amplitude of a card, by its name.
+
+    Raises:
+        ValueError: it is no table of increasing times.
+    """
+    if (kind := card.choice("DEFINITION", "TABULAR", "PERIODIC")) != "TABULAR":
+        raise ValueError(f"expected a table, found DEFINITION={kind}")
+    numbers = [real(value) for row in card.rows for value in row if value]
+    times, values = numbers[::2], numbers[1::2]
+    if len(times) != len(values) or not times or any(b < a for a, b in pairwise(times)):
+        raise ValueError("expected pairs of increasing times and values")
+    total = card.choice("TIME", "STEPTIME", "TOTALTIME") == "TOTALTIME"
+    absolute = card.choice("VALUE", "RELATIVE", "ABSOLUTE") == "ABSOLUTE"
+    return {card.required("NAME"): Amplitude(times, values, total, absolute)}
 
 
 class Step(NamedTuple):

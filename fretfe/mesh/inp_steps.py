@@ -15,12 +15,11 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
-from itertools import pairwise
 
 from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck, real
 from fretfe.mesh.inp_cards import Card
-from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable, repeated
+from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable, read_amplitude, repeated
 from fretfe.mesh.inp_groups import listed
 from fretfe.mesh.inp_language import ACTING
 from fretfe.mesh.inp_references import Reference, references
@@ -38,8 +37,6 @@ MOTIONS = ("displacement", "rotation")
 FORCES = ("force", "moment")
 # Load steps for a step of the deck that leaves its increments to the program.
 INCREMENTS = 10
-# Forces on single nodes of one keyword that become loads of their own.
-MOST_LONE = 10
 # Keywords that begin what a step does, other than statics.
 STATICS = ("STATIC", "VISCO")
 LOAD_CARDS = ("BOUNDARY", "CLOAD", "DLOAD", "DSLOAD")
@@ -108,7 +105,7 @@ class _Steps:
         self._led |= {each.node: (each, 0) for each in self._references}
         for card in deck.analysis:
             if card.word == "AMPLITUDE":
-                self._try(card, self._amplitude)
+                self._try(card, lambda each: self._amplitudes.update(read_amplitude(each)))
             elif card.word in ACTING:
                 self._found.read.add(card.keyword)
                 self._lack(card, "not supported: without it the model is another one")
@@ -254,19 +251,6 @@ class _Steps:
     def _lack(self, card: Card, reason: str) -> None:
         self._found.lacks.append(f"{card.place}: *{card.keyword}: {reason}")
 
-    def _amplitude(self, card: Card) -> None:
-        if (kind := card.choice("DEFINITION", "TABULAR", "PERIODIC")) != "TABULAR":
-            raise ValueError(f"expected a table, found DEFINITION={kind}")
-        numbers = [real(value) for row in card.rows for value in row if value]
-        times, values = numbers[::2], numbers[1::2]
-        if len(times) != len(values) or not times or any(b < a for a, b in pairwise(times)):
-            raise ValueError("expected pairs of increasing times and values")
-        self._amplitudes[card.required("NAME")] = Amplitude(
-            times, values,
-            card.choice("TIME", "STEPTIME", "TOTALTIME") == "TOTALTIME",
-            card.choice("VALUE", "RELATIVE", "ABSOLUTE") == "ABSOLUTE",
-        )  # fmt: skip
-
     def _coefficient(self, interaction: str, card: Card) -> None:
         if "ROUGH" in card.parameters or len(card.rows) != 1:
             raise ValueError("expected one coefficient of friction")
@@ -356,7 +340,8 @@ class _Steps:
                     yield table, factor * real(row[2])
             return
         place = int(row[1]) - 1
-        if (node := self._lone(row[0])) and len(card.rows) <= MOST_LONE:
+        # of many nodes each would be a load of its own
+        if (node := self._lone(row[0])) and len(card.rows) <= 10:
             boundary = self._around(node, row[0])
             self._lack(card, f"the force on node {row[0]} as such: it is spread over {boundary}")
             through = [float(value) for value in self._deck.nodes[node][: len(self._axes)]]
