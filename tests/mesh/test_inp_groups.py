@@ -109,7 +109,7 @@ def test_nodes_of_instances_that_are_not_there(tmp_path: Path) -> None:
 
 def test_pretension_is_refused(tmp_path: Path) -> None:
     message = refused(tmp_path, DECK + "*PRE-TENSION SECTION, SURFACE=S, NODE=8\n")
-    assert "shorten it by a load of type temperature" in message
+    assert "tighten the bolt by a load of type pretension of that tie" in message
 
 
 REFERENCE = "*NODE, NSET=RP\n99, 0., 5.\n"
