@@ -28,8 +28,6 @@ TOLERANCE = 1e-8
 NEWTON_STEPS = 12
 # Bytes of the displacements that are recovered together.
 MOST_BYTES = 1 << 26
-# Displacement and stress at the nodes of each element over the displacements of a body.
-OF_ELEMENTS = 8
 
 # Points (m, d) of a body, by contact and number of the body.
 Places = dict[tuple[str, int], tuple[str, Array]]
@@ -246,8 +244,8 @@ class FieldOutput:
 
     @property
     def states_at_once(self) -> int:
-        """Number of states to add together: at nodes of elements a field is larger."""
-        return max(self._fields.states_at_once() // OF_ELEMENTS, 1)
+        """Number of states to add together: at the nodes of each element a field is larger."""
+        return max(self._fields.states_at_once() // (8 if self._stress else 3), 1)
 
     def close(self) -> None:
         """Finish the file."""

@@ -130,6 +130,11 @@ def test_images_of_an_end_agree(
     other = next(each for each in read_answers(whole) if each.name == image)
     for first, second in zip(one.numbers, other.numbers, strict=True):
         # Meshes are not images of one another.
+        if first.name == "slip_range":
+            # Extrapolated to the edge, from nodes that lie elsewhere.
+            bars = math.hypot(first.mean_spread, second.mean_spread)
+            assert abs(first.mean - second.mean) < bars < 0.05 * first.mean
+            continue
         assert first.mean == pytest.approx(second.mean, rel=2e-3), first
         assert first.mean_spread > 0
     assert one.numbers[0].name == "work"
