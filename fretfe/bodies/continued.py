@@ -20,12 +20,13 @@ from fretfe.case import Case
 from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.loads.friction import read_coefficients
-from fretfe.loads.gap import GivenGap, read_gap
+from fretfe.loads.over_surface import OverSurface, read_gap, read_layer
 from fretfe.materials.crystals import turned
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import require_covered
 from fretfe.surface.gap import LARGEST_MISS, gap_at_nodes, gap_missed
+from fretfe.surface.placed import layer_at_nodes
 from fretfe.surface.surface import Surface, boundary_surface
 
 # Cosine of the angle between the contact and a plane of symmetry from which the contact is smooth
@@ -125,7 +126,7 @@ def coupled_contacts(
     Arc lengths of a half model begin at its plane of symmetry.
 
     Raises:
-        CaseError: friction, or a gap, is not given all over a surface.
+        CaseError: friction, a gap or a layer is not given all over a surface.
     """
     pairs = []
     for pair in couple_contacts(case, surfaces, model.components):
@@ -137,11 +138,13 @@ def coupled_contacts(
         coupling = replace(pair.coupling, surface=surface)
         if (given := read_gap(case, pair.name)) is not None:
             coupling = replace(coupling, gap=_with_gap(pair, surface, given, case.units.length))
+        if (layer := read_layer(case, pair.name)) is not None:
+            pair = replace(pair, layer=layer_at_nodes(layer, surface))
         pairs.append(replace(pair, coupling=coupling))
     return tuple(pairs)
 
 
-def _with_gap(pair: Pair, surface: ContactSurface, given: GivenGap, unit: str) -> Array:
+def _with_gap(pair: Pair, surface: ContactSurface, given: OverSurface, unit: str) -> Array:
     """(N,) weighted gap of a pair with what a case adds.
 
     Raises:

@@ -8,6 +8,9 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from functools import partial
 
+import numpy as np
+
+from fretfe._typing import Array
 from fretfe.bodies.bonds import bond_parts
 from fretfe.bodies.constraints import Constraint, Driven, support_constraints
 from fretfe.bodies.cyclic import Tie, tie_sides
@@ -201,7 +204,7 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
 
 @dataclass(frozen=True)
 class Pair:
-    """One contact: its name, its bodies, its coupling and the compliances of its layer.
+    """One contact: its name, its bodies, its coupling and the compliances (N, 2) of its layer.
 
     Those are the approach per pressure, and the displacement along the surface per shear.
     """
@@ -210,7 +213,7 @@ class Pair:
     body1: str
     body2: str
     coupling: Coupling
-    layer: tuple[float, float] = (0.0, 0.0)
+    layer: Array
 
 
 def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:
@@ -230,6 +233,7 @@ def couple_contacts(
     for name, contact in case.contacts.items():
         first, second = surfaces[contact.surface1], surfaces[contact.surface2]
         coupling = couple(name, first, second, contact.multipliers, case.model.degree, components)
-        layer = (0.0, 0.0) if contact.layer is None else contact.layer.compliances
+        even = (0.0, 0.0) if contact.layer is None else contact.layer.compliances
+        layer = np.broadcast_to(even, (len(coupling.surface.weights), 2))
         pairs.append(Pair(name, first.body, second.body, coupling, layer))
     return tuple(pairs)

@@ -7,7 +7,7 @@ from typing import Self
 
 from pydantic import Field, model_validator
 
-from fretfe.case.base import Positive, Table
+from fretfe.case.base import Positive, Table, Text
 
 STIFFNESS = ("normal", "tangential")
 COATING = ("thickness", "young", "poisson")
@@ -30,18 +30,25 @@ class Layer(Table):
         default=None, ge=0, lt=0.5, description="Poisson's ratio of the coating."
     )
 
+    csv: Text | None = Field(
+        default=None,
+        description="Text file with the columns normal and tangential and with arc, or with x, y "
+        "(and z), relative to the folder of the case file.",
+    )
+
     @model_validator(mode="after")
     def _one_kind(self) -> Self:
-        if self.model_fields_set not in ({*STIFFNESS}, {*COATING}):
+        if self.model_fields_set not in ({*STIFFNESS}, {*COATING}, {"csv"}):
             raise ValueError(
                 f"expected either {' and '.join(STIFFNESS)}, or {', '.join(COATING[:-1])} and "
-                f"{COATING[-1]}, found {', '.join(sorted(self.model_fields_set)) or 'none of them'}"
+                f"{COATING[-1]}, or csv, found "
+                f"{', '.join(sorted(self.model_fields_set)) or 'none of them'}"
             )
         return self
 
     @property
     def compliances(self) -> tuple[float, float]:
-        """Approach per pressure, and displacement along the surface per shear.
+        """Approach per pressure, and displacement along the surface per shear; 0 if it varies.
 
         A coating is much stiffer along the surface than across (Johnson, Contact Mechanics, 1985,
         section 5.8): thin against the contact it is compressed without stretching, by p t / M with
@@ -49,7 +56,8 @@ class Layer(Table):
         """
         if self.normal is not None and self.tangential is not None:
             return 1 / self.normal, 1 / self.tangential
-        assert self.thickness is not None
+        if self.thickness is None:
+            return 0.0, 0.0
         assert self.young is not None
         assert self.poisson is not None
         shear = self.young / (2 * (1 + self.poisson))

@@ -173,6 +173,7 @@ def named_files(case: Case) -> dict[Key, Path]:
         if isinstance(contact["friction"], dict):
             tables.append((("contacts", name, "friction"), contact["friction"]))
         tables.append((("contacts", name), contact))
+        tables.append((("contacts", name, "layer"), contact.get("layer") or {}))
     return {
         (*key, name): case.resolve(table[name]).absolute()
         for key, table in tables

@@ -101,7 +101,7 @@ class DenseCompliance:
 
 
 def add_layers(
-    matrix: Array, contacts: Mapping[str, slice], layers: Mapping[str, tuple[float, float]], d: int
+    matrix: Array, contacts: Mapping[str, slice], layers: Mapping[str, Array], d: int
 ) -> None:
     """Add to a compliance (N*d, N*d), in place, what layers between the surfaces give.
 
@@ -110,14 +110,15 @@ def add_layers(
     Args:
         matrix: of the bodies.
         contacts: node range of each contact.
-        layers: approach per pressure, and displacement along the surface per shear, by contact.
+        layers: approach per pressure, and displacement along the surface per shear, (N, 2) at the
+            nodes or (2,) at all of them, by contact.
         d: components.
     """
     diagonal = np.einsum("ii->i", matrix).reshape(-1, d)
     for name, nodes in contacts.items():
-        normal, tangential = layers[name]
+        normal, tangential = np.moveaxis(layers[name], -1, 0)
         diagonal[nodes, 0] += normal
-        diagonal[nodes, 1:] += tangential
+        diagonal[nodes, 1:] += np.expand_dims(tangential, -1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -341,8 +341,6 @@ class EdgeData(ABC):
             self.pressed[number],
             self.steps.dundurs != 0,
         )
-        inward = self.moved_inward(number)
-        zones = tuple(replace(zone, spread=math.hypot(zone.spread, inward)) for zone in zones)
         return tuple(self.with_shear(number, zone, direction) for zone in zones)
 
     def with_shear(self, number: int, zone: SlipZone, direction: Array) -> SlipZone:

@@ -140,7 +140,8 @@ class PartTables:
             if key in geometry:
                 geometry[key] = _relative(case.resolve(geometry[key]), output)
         contact = data["contacts"][self._pair]
-        for table, key in ((contact["friction"], "csv"), (contact, "gap")):
+        tables = (contact["friction"], "csv"), (contact.get("layer"), "csv"), (contact, "gap")
+        for table, key in tables:
             if isinstance(table, dict) and key in table:
                 table[key] = _relative(case.resolve(table[key]), output)
         data["supports"] = {

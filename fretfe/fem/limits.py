@@ -35,7 +35,7 @@ from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
-from fretfe.loads.gap import read_gap
+from fretfe.loads.over_surface import read_gap
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
 from fretfe.surface.gap import LARGEST_MISS, gap_missed

@@ -89,7 +89,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     compliance[:, 1, :, 1] = problem.tangential * scaled
     compliance[:, 0, :, 1], compliance[:, 1, :, 0] = coupling, coupling.T
     matrix, contacts = compliance.reshape(2 * size, -1), {problem.contact: slice(0, size)}
-    add_layers(matrix, contacts, {problem.contact: problem.layer}, 2)
+    add_layers(matrix, contacts, {problem.contact: np.array(problem.layer)}, 2)
     gap, tension = np.zeros((size, 2)), np.zeros((size, 2))
     gap[:, 0] = hats.integrate(problem.profile.gap) / roots
     # A bulk tension sigma0 stretches surface 2 by sigma0/(2 E*) more than surface 1.

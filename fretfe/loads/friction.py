@@ -15,6 +15,7 @@ from fretfe.case.friction import InFile, OverArc, OverTime
 from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
+from fretfe.loads.over_surface import require_whole
 
 # Column of the coefficients in a file.
 COEFFICIENT = "friction"
@@ -92,11 +93,11 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
         case number:
             found = {"values": np.array([number])}
     place = f"{case.source}: {key_path(key)}"
-    if "arc" in found and case.geometry.part is not None:
-        raise CaseError(
-            f"{place}: expected places x and y in a part of the bodies, whose surfaces have other "
-            "arc lengths, found arc lengths"
-        )
+    if "arc" in found:
+        try:
+            require_whole(case)
+        except CaseError as error:
+            raise CaseError(f"{place}: {error}") from None
     return Coefficients(place, contact.friction_from, **found)
 
 

@@ -16,7 +16,7 @@ from fretfe.case.base import MOST_STEPS
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_columns
 from fretfe.loads.friction import read_coefficients
-from fretfe.loads.gap import read_gap
+from fretfe.loads.over_surface import read_gap, read_layer
 
 Key = tuple[str | int, ...]
 
@@ -522,6 +522,7 @@ def build_history(case: Case) -> History:
     for name in case.contacts:
         read_coefficients(case, name).require_times(float(times[-1]))
         read_gap(case, name)
+        read_layer(case, name)
     cycle = find_cycle(case, times, values, channels)
     choice = None if cycle is None else _choice(case, channels)
     return History(tuple(channels), times, values, cycle, _between(channels, times), choice)

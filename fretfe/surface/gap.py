@@ -7,7 +7,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.errors import CaseError
-from fretfe.loads.gap import GivenGap
+from fretfe.loads.over_surface import OverSurface
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.placed import nearest, require_arc
 
@@ -15,7 +15,7 @@ from fretfe.surface.placed import nearest, require_arc
 LARGEST_MISS = 0.05
 
 
-def gap_at_nodes(given: GivenGap, surface: ContactSurface) -> Array:
+def gap_at_nodes(given: OverSurface, surface: ContactSurface) -> Array:
     """(N,) gap at the nodes of a surface.
 
     Raises:
@@ -27,20 +27,21 @@ def gap_at_nodes(given: GivenGap, surface: ContactSurface) -> Array:
         raise CaseError(f"{given.key}: {error}") from None
 
 
-def _at_nodes(given: GivenGap, surface: ContactSurface) -> Array:
+def _at_nodes(given: OverSurface, surface: ContactSurface) -> Array:
     if given.arc is not None:
         require_arc(given.arc, surface)
-        return _along(given.arc, given.values, surface.arc)
+        return _along(given.arc, given.values[:, 0], surface.arc)
     assert given.points is not None
     nearest(given.points, surface)
     dimension = surface.points.shape[1]
     if (surface.frames[:, 0, :dimension] @ surface.mean_normal).min() < 0.5:
         expected = "a gap over a surface that turns by less than 60 degrees from its mean"
         raise CaseError(f"expected {expected}, found one that turns farther: divide the contact")
-    return _over(_flat(given.points, surface), given.values, _flat(surface.points, surface))
+    places = _flat(given.points, surface), _flat(surface.points, surface)
+    return _over(places[0], given.values[:, 0], places[1])
 
 
-def gap_missed(given: GivenGap, surface: ContactSurface, counted: Bools | None = None) -> float:
+def gap_missed(given: OverSurface, surface: ContactSurface, counted: Bools | None = None) -> float:
     """Largest distance of a gap from straight lines between the nodes, over its range.
 
     Args:
@@ -63,7 +64,7 @@ def gap_missed(given: GivenGap, surface: ContactSurface, counted: Bools | None =
     near = away <= sizes[next_to]
     if counted is not None:
         near &= counted[next_to]
-    return float(np.abs(found - given.values)[near].max(initial=0.0)) / scale
+    return float(np.abs(found - given.values[:, 0])[near].max(initial=0.0)) / scale
 
 
 def _flat(points: Array, surface: ContactSurface) -> Array:

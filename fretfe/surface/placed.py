@@ -9,6 +9,7 @@ from fretfe._typing import Array, Indices
 from fretfe.case.base import AXES
 from fretfe.errors import CaseError
 from fretfe.loads.friction import BEYOND
+from fretfe.loads.over_surface import OverSurface
 from fretfe.surface.contact_surface import ContactSurface
 
 
@@ -65,3 +66,19 @@ def nearest(points: Array, surface: ContactSurface) -> Indices:
             f"{away[farthest]:.3g}, where points are up to {apart:.3g} apart"
         )
     return np.asarray(found)
+
+
+def layer_at_nodes(given: OverSurface, surface: ContactSurface) -> Array:
+    """(N, 2) compliances of a layer at the nodes of a surface: between arc lengths, of near points.
+
+    Raises:
+        CaseError: they are not given all over the surface.
+    """
+    try:
+        if given.arc is not None:
+            parts = [on_arc(given.arc, each, surface) for each in given.values.T]
+            return np.column_stack(parts)
+        assert given.points is not None
+        return np.asarray(given.values[nearest(given.points, surface)])
+    except CaseError as error:
+        raise CaseError(f"{given.key}: {error}") from None

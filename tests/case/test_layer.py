@@ -36,6 +36,7 @@ def test_a_coating_is_compressed_without_stretching_and_sheared() -> None:
     ("layer", "expected"),
     [
         ({"normal": 1e6}, "expected either normal and tangential, or thickness, young and poisson"),
+        ({"csv": "a.csv", "normal": 1e6}, "or csv, found csv, normal"),
         ({"normal": 1e6, "tangential": 1e6, "young": 1.0}, "found normal, tangential, young"),
         ({}, "found none of them"),
         ({"normal": -1e6, "tangential": 1e6}, "contacts.main.layer.normal: expected a number > 0"),

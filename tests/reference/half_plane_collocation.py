@@ -12,7 +12,7 @@ import numpy as np
 from fretfe._typing import Array, Bools
 
 
-def compliance(x: Array, modulus: float, layer: float = 0.0) -> Array:
+def compliance(x: Array, modulus: float, layer: float | Array = 0.0) -> Array:
     """(n, n) displacement at places (n,) by tractions on elements around them.
 
     Of both half-planes together, but for a rigid motion.
@@ -20,12 +20,13 @@ def compliance(x: Array, modulus: float, layer: float = 0.0) -> Array:
     Args:
         x: evenly spaced.
         modulus: E*.
-        layer: displacement per traction.
+        layer: displacement per traction, of all elements or (n,).
     """
     size = x[1] - x[0]
     ends = x[:, None] - x + size / 2, x[:, None] - x - size / 2
     first, second = (end * (np.log(np.abs(end)) - 1) for end in ends)
-    found: Array = -2 / (np.pi * modulus) * (first - second) + layer * np.eye(len(x))
+    found: Array = -2 / (np.pi * modulus) * (first - second)
+    found += np.diag(np.broadcast_to(layer, len(x)))
     return found
 
 

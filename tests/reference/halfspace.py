@@ -125,9 +125,12 @@ def build(
     )
 
 
-def loads(interface: Interface, values: Sequence[float] | Array, friction: float) -> StepLoads:
-    """Force or displacement of the sphere along n, x, y."""
-    return StepLoads(np.empty(0), np.asarray(values, float), np.full(interface.size, friction))
+def loads(
+    interface: Interface, values: Sequence[float] | Array, friction: float | Array
+) -> StepLoads:
+    """Force or displacement of the sphere along n, x, y; friction of all nodes, or (N,)."""
+    coefficients = np.broadcast_to(friction, interface.size)
+    return StepLoads(np.empty(0), np.asarray(values, float), coefficients)
 
 
 @dataclass(frozen=True)
@@ -155,7 +158,7 @@ class HalfSpaceRun:
         return RegularGridInterpolator((x, x), squares, bounds_error=False, fill_value=0.0)
 
 
-def run_forces(problem: SphereOnFlat, forces: Array, friction: float) -> HalfSpaceRun:
+def run_forces(problem: SphereOnFlat, forces: Array, friction: float | Array) -> HalfSpaceRun:
     """Solve for forces (T, 3) along n, x, y, one after the other."""
     interface = build(problem)
     steps = [loads(interface, force, friction) for force in (np.zeros(3), *forces)]

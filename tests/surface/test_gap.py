@@ -13,7 +13,7 @@ from fretfe._typing import Array
 from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError
 from fretfe.loads import build_history
-from fretfe.loads.gap import GivenGap, read_gap
+from fretfe.loads.over_surface import OverSurface, read_gap
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.gap import gap_at_nodes, gap_missed
 
@@ -24,7 +24,7 @@ def with_gap(folder: Path, text: str) -> Case:
     return parse_case(pad(contacts={"main": main}), source=folder / "pad.toml")
 
 
-def given(case: Case) -> GivenGap:
+def given(case: Case) -> OverSurface:
     found = read_gap(case, "main")
     assert found is not None
     return found

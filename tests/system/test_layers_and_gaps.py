@@ -73,6 +73,36 @@ def test_pressure_and_shear_on_a_layer_are_those_of_collocation(layered: Result)
     assert layered.contacts[0].shear_force[-1] == pytest.approx(120.0, rel=1e-9)
 
 
+def test_a_coat_that_is_worn_through_in_the_middle(tmp_path: Path) -> None:
+    places = np.array([-3, -0.32, -0.28, 0.28, 0.32, 3])
+    thick, thin = 0.3 * HALF_WIDTH / MODULUS, 0.03 * HALF_WIDTH / MODULUS
+    given = np.array([thick, thick, thin, thin, thick, thick])
+    rows = "\n".join(f"{a},{1 / c:.12g},{1 / c:.12g}" for a, c in zip(places, given, strict=True))
+    (tmp_path / "coat.csv").write_text(f"arc,normal,tangential\n{rows}\n")
+    history = solved({"layer": {"csv": "coat.csv"}}, tmp_path).contact_history("main")
+    x = np.linspace(-1, 1, 801) * 1.4 * HALF_WIDTH
+    own = np.interp(x, places, given)
+    pressure = pressed(x, x**2 / 100, compliance(x, MODULUS, own), 600.0)
+    even = pressed(x, x**2 / 100, compliance(x, MODULUS, thick), 600.0)
+    assert pressure.max() > 1.05 * even.max()
+    wrong = history.traction[-1][:, 0] - np.interp(history.surface.arc, x, pressure)
+    # Most where the coat begins, over two elements.
+    assert np.abs(wrong).max() < 0.05 * pressure.max()
+    assert np.abs(wrong).mean() < 0.005 * pressure.max()
+
+
+def test_a_table_of_one_stiffness_is_that_layer_bit_for_bit(
+    layered: Result, tmp_path: Path
+) -> None:
+    normal = MODULUS / (0.3 * HALF_WIDTH)
+    places = np.linspace(-3, 3, 13)
+    rows = "".join(f"{x},0,{normal!r},{2 * normal!r}\n" for x in places)
+    (tmp_path / "coat.csv").write_text(f"x,y,normal,tangential\n{rows}")
+    other = solved({"layer": {"csv": "coat.csv"}}, tmp_path)
+    mine, theirs = (each.contact_history("main").traction[:] for each in (layered, other))
+    assert np.array_equal(mine, theirs)
+
+
 def test_files_keep_the_length_of_the_layer(layered: Result, tmp_path: Path) -> None:
     write_results(tmp_path, layered)
     kept = load_result(tmp_path).contact_history("main").surface.layer

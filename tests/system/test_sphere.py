@@ -13,6 +13,7 @@ R and w are).
 from __future__ import annotations
 
 from collections.abc import Callable
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,6 +23,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
+from fretfe.exchange.joint import joint_loops
 from fretfe.history.solution import SLIP as SLIPS
 from fretfe.history.solution import STICK as STICKS
 from fretfe.history.solution import ContactHistory, Solution
@@ -292,6 +294,51 @@ def test_cycle_nearly_returns_and_bodies_balance(sheared: Solution) -> None:
         assert (errors[f"{kind}_imbalance"] <= 1e-8 * errors[f"{kind}_scale"]).all()
     assert errors["worst"].max() < 1e-8
     assert sheared.iterations.max() <= 25 and not sheared.fallbacks.any()
+
+
+def test_it_is_the_joint_of_mindlin_and_deresiewicz(cycled: Result) -> None:
+    """Secant stiffness over that of full stick, and loss, by branches as Masing doubles them."""
+    (loop,) = joint_loops(cycled)
+    share = np.linspace(0, SHARE, 2001)
+    branch = 1.5 * (1 - (1 - share) ** (2 / 3))  # over the displacement of f P in full stick
+    stuck = loop.force_range * COMPLIANCE / 8
+    found = 1 / (1 + loop.slip_range / stuck)
+    assert found == pytest.approx(SHARE / branch[-1], rel=0.005)
+    work = 8 * float(np.trapezoid(share, branch)) - 4 * SHARE * branch[-1]
+    loss = 4 * loop.work / (np.pi * loop.force_range * (stuck + loop.slip_range))
+    assert loss == pytest.approx(work / (np.pi * SHARE * branch[-1]), rel=0.02)
+
+
+def falling(radius: Array) -> Array:
+    """Coefficient of friction by the distance from the middle."""
+    return 0.6 - 0.3 * radius**2
+
+
+def test_friction_by_radius_is_that_of_half_spaces(
+    solved: Solve, sheared: Solution, tmp_path: Path
+) -> None:
+    grid = np.linspace(-2.5, 2.5, 101)
+    x, z = (each.ravel() for each in np.meshgrid(grid, grid))
+    coefficients = np.maximum(falling(np.hypot(x, z)), 0.1)
+    rows = np.column_stack([x, 0 * x, z, coefficients])
+    np.savetxt(tmp_path / "f.csv", rows, delimiter=",", header="x,y,z,friction", comments="")
+    share = 0.7 * 0.42  # of P; f is .42 in the mean over p
+    case = tables(0.0, shear=[*HOLD, {"ramp": share * FORCE, "until": 2.0, "steps": 4}])
+    case["contacts"]["main"]["friction"] = {"csv": str(tmp_path / "f.csv")}
+    found = solution(solved(case))
+    problem = SphereOnFlat(cells=36, extent=1.06)
+    load = problem.load_for(1.0)
+    own = np.maximum(falling(np.linalg.norm(problem.centres, axis=1)), 0.1)
+    forces = np.column_stack([np.full(5, -load), share * load * np.arange(5) / 4, np.zeros(5)])
+    twin = run_forces(problem, forces, own)
+    (contact,) = found.contacts
+    shear = vectors(contact, len(found.times) - 1)[:, [0, 2]]
+    off = shear - PEAK / (2 / np.pi) * hat_means(contact, lambda x: twin.field(4)(x)[..., 1:])
+    top = 0.42 * PEAK
+    assert rms(smoothed(off, contact), contact) < 0.02 * top
+    moves = twin.motion[:, 1] * FORCE / load * 2 / YOUNG
+    path = moved(found, "shear")
+    assert path[-1] - path[1] == pytest.approx(moves[-1] - moves[0], rel=0.02)
 
 
 def test_turning_load_moves_the_sphere_as_half_spaces_do(
