@@ -105,7 +105,7 @@ class Kind(StrEnum):
     FACTORS_UNKNOWN = (
         "factors unknown",
         "K_N or the range of K_T is unknown",
-        "a factor of a plane edge cannot be found",
+        "a factor of a plane edge cannot be found, or its bar is more than half of it",
     )
     WITHHELD = (
         "withheld",

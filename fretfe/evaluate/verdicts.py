@@ -71,7 +71,7 @@ def withheld(station: Station) -> str:
     """Reason why K_N or the range of (K_T, K_S) of a station is not told; empty if both are."""
     if station.lack.whole:
         return station.lack.text
-    return "; ".join(filter(None, (_no_k_n(station), _no_range(station))))
+    return "; ".join(filter(None, (_no_k_n(station), no_range(station))))
 
 
 def _no_k_n(station: Station) -> str:
@@ -90,7 +90,8 @@ def _with_bar(value: float, spread: float) -> str:
     return f"{rounded(value)} ± {rounded(spread, 2)}"
 
 
-def _no_range(station: Station) -> str:
+def no_range(station: Station) -> str:
+    """Reason why the range of (K_T, K_S) of a station is not told; empty if it is."""
     if math.isfinite(station.reported_range):
         return ""
     if math.isnan(station.k_range) and station.lack.text:

@@ -20,7 +20,7 @@ from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
-from fretfe.evaluate.verdicts import withheld
+from fretfe.evaluate.verdicts import no_range, withheld
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
@@ -251,14 +251,18 @@ def _nothing_known(contact: str, fronts: Sequence[Front]) -> Iterator[Caution]:
 
 def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> Iterator[Finding]:
     """Factors of a plane edge that cannot be told, and why."""
-    if station.lack.whole or station.lack.kind is Lack.NOTHING:
+    if station.lack.whole:
         return
-    unknown = contact.exists[station.decisive] and not math.isfinite(station.decisive_k_n[0])
-    missing = ["K_N"] if unknown else []
-    if solution.cycle is not None and not math.isfinite(station.k_t_range):
-        missing.append("ΔK_T")
-    names = " and ".join(missing)
-    yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
+    k_n, ranged = station.decisive_k_n[0], math.isfinite(station.k_t_range)
+    if station.lack.kind is not Lack.NOTHING:
+        missing = ["K_N"] if contact.exists[station.decisive] and not math.isfinite(k_n) else []
+        if solution.cycle is not None and not ranged:
+            missing.append("ΔK_T")
+        names = " and ".join(missing)
+        yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
+    # Its bar has a reason of its own.
+    if solution.cycle is not None and ranged and (reason := no_range(station)):
+        yield Kind.FACTORS_UNKNOWN, f"ΔK_T unknown, because {reason}"
 
 
 def _parted(contact: ContactHistory, states: Indices) -> Iterator[Finding]:

@@ -19,6 +19,7 @@ from fretfe.caution import Kind
 from fretfe.contact.recorder import ROUND_OFF, Extent
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.plane.lacks import with_lack
+from fretfe.evaluate.verdicts import withheld
 from fretfe.evaluate.warnings import plane_warnings, untouched_hint
 from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.quality.rows import own_rows
@@ -80,6 +81,19 @@ def test_a_pad_that_lifts_off_needs_no_finer_elements(emptied: slice, kind: Lack
         assert (first.kind, first.subject.front) == (Kind.FACTORS_UNKNOWN, "left")
         assert first.text == f"ΔK_T unknown, because {found.lack.text}"
         assert "smaller" not in first.text
+
+
+@pytest.mark.parametrize("part", [0.4, 0.6])
+def test_a_range_without_a_word_is_within_half_of_itself(part: float) -> None:
+    run = solved()
+    (contact,) = run.solution.contacts
+    bar = part * left_of(run).k_range
+    parts = replace(left_of(run).k_range_parts, extraction=bar)
+    found = replace(left_of(run), k_range_spread=bar, k_range_parts=parts)
+    told = plane_warnings(run.solution, contact, fronts_of([found]), [np.nan])
+    unknown = [each.text for each in told if each.kind is Kind.FACTORS_UNKNOWN]
+    assert len(unknown) == math.isnan(found.reported_range) == (part > 0.5)
+    assert all(f"ΔK_T unknown, because {withheld(found)}" == text for text in unknown)
 
 
 def test_a_reason_is_restored() -> None:

@@ -170,8 +170,9 @@ def test_shear_at_all_four_edges() -> None:
     ranges = [each.k_t_range for contact in contacts for each in contact.stations]
     assert ranges == pytest.approx([far, near, near, far], rel=2e-3)
     for contact in contacts:
-        # Without a closed form of their factors half-planes pass for linear finite elements here.
-        uncertain = (Kind.K_N_UNCERTAIN, Kind.K_N_LINEAR)
+        # Without a closed form of their factors half-planes pass for linear finite elements here,
+        # and ranges have nothing to compare with.
+        uncertain = (Kind.K_N_UNCERTAIN, Kind.K_N_LINEAR, Kind.FACTORS_UNKNOWN)
         assert [each for each in contact.warnings if each.kind not in uncertain] == []
         assert contact.steady
         assert np.ptp(contact.shear_force[-21:]) == pytest.approx(amplitude, rel=1e-3)
