@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -152,7 +152,7 @@ def slip_zones(
     last = last_state(cycle, station)
     if begin >= last or not friction[last] > 0 or not known[begin : last + 1].all():
         return ()
-    fresh, gripped = begin == first, _Gripped(begin)
+    fresh, gripped, pressing = begin == first, _Gripped(begin), begin
     if not unlike:
         gripped = _gripped(begin, last, cycle, float(friction.max()), station)
         begin = gripped.until
@@ -184,9 +184,12 @@ def slip_zones(
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
             spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
-        if start == begin or not len(cycle):  # of a cycle others slip where the first one has
-            border_place = station.inward * float(station.position[end]) + border.length
-            spread = math.hypot(spread, gripped.unknown_beyond(border_place))
+        if not unlike:
+            since = pressing
+            if start > begin and len(cycle):  # others slip where the first one has
+                since = max(begin, end - int(cycle[-1] - cycle[0]))
+            f = float(friction.max())
+            spread = math.hypot(spread, _locked_in(station, f, since, end, border.length))
         missed = _missed(cycle, friction[end], end, station, path) if path is not None else 0.0
         # A zone that is long against its edge grows faster than predicted.
         missed *= max(1.0, border.length / loop) if loop > 0 else 1.0
@@ -245,26 +248,48 @@ class _Gripped:
     """Pressing during which an edge between similar bodies sticks.
 
     As long as P moves it outward faster than it is sheared nothing slips, and the shear that is
-    locked in behind it is that part s = dK_T/(f dK_I) of f p. Slip counts from there on. Over the
-    width da of a step nothing says where it is locked in, so that K_T is known to half of s f dK_I
-    = s f K_N da/2. That moves a border there by 2 dK_T/(f K_N (1 - s)), which is da/2 s/(1 - s).
+    locked in behind it is that part s = dK_T/(f dK_I) of f p. Slip counts from there on.
 
     Attributes:
         until: last state of it.
         part: s of the last step that moves the edge.
-        outer: (n,) outer ends of the steps, measured inward.
-        unknown: (n,) da/2 s/(1 - s) of each.
     """
 
     until: int
     part: float = 0.0
-    outer: Array = field(default_factory=lambda: np.zeros(0))
-    unknown: Array = field(default_factory=lambda: np.zeros(0))
 
-    def unknown_beyond(self, border: float) -> float:
-        """By how much a border at a place may be misplaced: by the steps that end beyond it."""
-        beyond = self.outer <= max(border, self.outer.min(initial=math.inf))
-        return float(self.unknown[beyond].max(initial=0.0))
+
+def _locked_in(
+    station: StationHistory, friction: float, since: int, end: int, length: float
+) -> float:
+    """Length by which a border may be misplaced where the edge has moved outward over it.
+
+    Over the width da of a step nothing says where its shear, that part s = dK_T/(f dK_I) of f p, is
+    locked in, so that K_T is known there to half of s f dK_I = s f K_N da/2. Slip later on the same
+    way has 1 - s of f p to overcome, the other way 1 + s: that moves a border by da/2 s/(1 -+ s),
+    and by da at most, as measured on half-planes up to s = .9.
+
+    Args:
+        station: its factors.
+        friction: coefficient.
+        since: first state whose edge counts.
+        end: state of the border.
+        length: from the edge to the border.
+    """
+    place = station.inward * station.position[since : end + 1]
+    border = place[-1] + length
+    covers = np.flatnonzero((place[1:] <= border) & (border < place[:-1]))
+    if not len(covers):
+        return 0.0
+    step = int(covers[-1])
+    k_t, k_i = station.k_t[since : end + 1], friction * station.k_i[since : end + 1]
+    pressed, sheared = float(k_i[step + 1] - k_i[step]), float(k_t[step + 1] - k_t[step])
+    if not pressed > UNDRIVEN * np.abs(k_i).max():
+        return 0.0
+    part, later = sheared / pressed, float(k_t[-1] - k_t[step + 1])
+    left = 1 - (math.copysign(part, part * later) if later else abs(part))
+    width = float(place[step] - place[step + 1])
+    return width * min(abs(part) / (2 * max(left, UNDRIVEN)), 1.0)
 
 
 def _gripped(
@@ -288,12 +313,7 @@ def _gripped(
     moves = np.flatnonzero(presses[:count] > tolerance)
     if not len(moves):
         return _Gripped(begin + count)
-    parts = shears[moves] / presses[moves]
-    places = station.inward * station.position[begin : begin + count + 1]
-    widths = np.abs(np.nan_to_num(np.diff(places)[moves]))
-    sizes = np.abs(parts)
-    unknown = widths / 2 * np.minimum(sizes / np.maximum(1 - sizes, UNDRIVEN), 1.0)
-    return _Gripped(begin + count, float(parts[-1]), places[moves + 1], unknown)
+    return _Gripped(begin + count, float(shears[moves[-1]] / presses[moves[-1]]))
 
 
 def _told(border: SlipBorder, spread: float) -> bool:

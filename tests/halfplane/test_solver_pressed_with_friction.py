@@ -55,3 +55,25 @@ def test_a_zone_is_as_good_as_the_steps_of_the_pressing_around_its_border(
         there = station.slip_zones[0]
         assert there.length == pytest.approx(exact, abs=there.spread)
         assert there.spread < 0.085 * exact
+
+
+@pytest.mark.parametrize("steps", [4, 12])
+@pytest.mark.parametrize("share", [0.33, 0.6, 0.86])
+def test_a_border_where_the_edge_has_moved_outward_is_as_good_as_its_step(
+    share: float, steps: int
+) -> None:
+    """Q rises with P by a share of f P, then goes on alone.
+
+    Each flat punch of the load L takes f dL at most, of which that share is used (Jaeger 1998).
+    """
+    low, high, border = 0.7, 0.95, 0.83
+    pressed = np.append(np.linspace(low, high, steps + 1), high)
+    shear = share * (pressed - low)
+    shear[-1] += (1 - share) * (high - border)
+    given = problem(np.append(1.0, pressed) * LOAD, np.append(0.0, shear) * LIMIT)
+    exact = np.sqrt(high) - np.sqrt(border)
+    for station in solved(given).stations:
+        zone = station.slip_zones[-1]
+        assert zone.end == len(station.position) - 1
+        assert zone.length == pytest.approx(exact, abs=zone.spread)
+        assert zone.spread < 2 * (np.sqrt(border + (high - low) / steps) - np.sqrt(border))

@@ -267,7 +267,9 @@ def test_bodies_that_have_parted_are_told() -> None:
         contact, traction=traction, status=np.zeros_like(contact.status), gap=0.1 + contact.gap
     )
     times = np.arange(float(STATES))
-    solution = SimpleNamespace(cycle=(2, 3), choice=None, times=times, values=times[:, None])
+    solution = SimpleNamespace(
+        cycle=(2, 3), choice=None, degree=2, times=times, values=times[:, None]
+    )
     told, *_ = plane_warnings(solution, parted, (), [np.nan])  # type: ignore[arg-type]
     assert told.kind is Kind.PARTED
     assert "do not touch in the evaluated cycle, though they did before: the contact" in told.text
