@@ -62,6 +62,8 @@ def joint(
     table = plain_table("Evaluated cycle", ("", "unit", *(each.driver for each in found)), text=2)
     for key, (title, kind) in JOINT_ROWS.items():
         table.add_row(title, units.get(kind, ""), *(number(getattr(each, key)) for each in found))
+    bars = (number(each.slip_bar, 2) for each in found)
+    table.add_row("  its error bar", length, *bars)
     for name in found[0].slip:
         cells = (number(each.swing(each.slip[name])) for each in found)
         table.add_row(f"  by slip in {name}", length, *cells)

@@ -20,11 +20,13 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
 from fretfe.files import replacing, writing
-from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.results.model import Result
 
 # Ranges below this part of the largest force do not drive.
 DRIVES = 1e-6
+# Work and slip with larger bars are unknown.
+MOST_UNKNOWN = 0.5
 
 
 @dataclass(frozen=True)
@@ -35,9 +37,12 @@ class Loop:
         driver: name of the load.
         times: (n,) of the states.
         force: (n,) of the whole thickness.
-        displacement: (n,) of the boundary along the force.
-        slip: (n,) part of it by slip in each contact since the first state, by name.
-        work: friction work of all contacts in the cycle; NaN if other loads drive as well.
+        displacement: (n,) of the boundary along the force; NaN of half-planes, which have none.
+        slip: (n,) part of it by slip in each contact since the first state, by name; NaN from where
+            bodies part.
+        work: friction work of all contacts in the cycle; NaN if other loads drive as well, or where
+            it is unknown.
+        bar: of work and slip, over them; NaN where it is unknown.
     """
 
     driver: str
@@ -46,6 +51,7 @@ class Loop:
     displacement: Array
     slip: Mapping[str, Array]
     work: float
+    bar: float
 
     def swing(self, values: Array) -> float:
         """Difference of values (n,) between the states of the largest and the smallest force."""
@@ -67,6 +73,11 @@ class Loop:
         return sum(map(self.swing, self.slip.values()))
 
     @property
+    def slip_bar(self) -> float:
+        """Error bar of that."""
+        return self.bar * abs(self.slip_range)
+
+    @property
     def stiffness(self) -> float:
         """Secant stiffness, bodies and contacts together."""
         return self.force_range / self.displacement_range
@@ -78,7 +89,12 @@ class Loop:
 
     @property
     def joint_stiffness(self) -> float:
-        """Secant stiffness of a spring in series with the stuck bodies; infinite without slip."""
+        """Secant stiffness of a spring in series with the stuck bodies; NaN where slip is unknown.
+
+        Infinite if nothing slips.
+        """
+        if not self.bar < MOST_UNKNOWN:
+            return math.nan
         return self.force_range / self.slip_range if self.slip_range else math.inf
 
     @property
@@ -116,19 +132,38 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
             f"found none among {', '.join(solution.drivers) or 'no loads'}"
         )
     slips = {each.name: _moved_by_slip(each, states) for each in solution.contacts}
-    work = thickness * sum(each.dissipation for each in result.contacts)
+    work, bar = _friction_work(result)
     alone = _loads_that_vary(solution, states) == len(varying) == 1
+    # Half-planes move by any constant under a force.
+    known = 1.0 if result.bodies else math.nan
     return tuple(
         Loop(
             driver=solution.drivers[number],
             times=solution.times[states],
             force=forces[:, number],
-            displacement=solution.amplitudes[states, places[solution.drivers[number]]],
-            slip={name: moved[:, number] for name, moved in slips.items()},
-            work=work if alone else math.nan,
+            displacement=known * solution.amplitudes[states, places[solution.drivers[number]]],
+            # Where no friction works slip is round-off.
+            slip={name: moved[:, number] * (work > 0) for name, moved in slips.items()},
+            work=thickness * work if alone and bar < MOST_UNKNOWN else math.nan,
+            bar=bar,
         )
         for number in varying
     )
+
+
+def _friction_work(result: Result) -> tuple[float, float]:
+    """Friction work of all contacts in the cycle, and its error bar over it.
+
+    Of solids the work by the plane problems next to their fronts has no bar: it is the difference.
+    """
+    work = sum(each.dissipation for each in result.contacts)
+    bars = [
+        abs(each.local_dissipation - each.dissipation) if each.solid else each.dissipation_spread
+        for each in result.contacts
+    ]
+    if not work > 0:
+        return work, 0.0 if sum(bars) == 0 else math.inf
+    return work, sum(bars) / work
 
 
 def _loads_that_vary(solution: Solution, states: Indices) -> int:
@@ -140,18 +175,21 @@ def _loads_that_vary(solution: Solution, states: Indices) -> int:
 def _moved_by_slip(contact: ContactHistory, states: Indices) -> Array:
     """(n, J) displacement of each driver by the slip in a contact since the first of n states.
 
-    Where the contact area changes within a step it is taken as the mean of both.
+    Where the contact area changes within a step the tractions are the mean of both, and nodes that
+    touch at both of its ends slip. NaN from where nothing is left that sticks the bodies together.
     """
     weights = contact.surface.weights
     moved = np.zeros((len(states), contact.full_stick.fields.shape[-1]))
     for number in range(1, len(states)):
         before, after = int(states[number - 1]), int(states[number])
-        areas = [area for area in contact.full_stick.area[[before, after]] if area >= 0]
-        if not areas:
+        areas = contact.full_stick.area[[before, after]]
+        if areas.min() < 0:
+            moved[number] = math.nan
             continue
         tractions = np.mean([contact.full_stick.fields[area] for area in areas], axis=0)[:, 1:]
+        touches = (contact.status[before] != OPEN) & (contact.status[after] != OPEN)
         slip = contact.slip[after] - contact.slip[before]
-        moved[number] = np.einsum("n,ncj,nc->j", weights, tractions, slip)
+        moved[number] = np.einsum("n,ncj,nc->j", weights * touches, tractions, slip)
     return np.cumsum(moved, axis=0)
 
 

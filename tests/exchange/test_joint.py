@@ -42,35 +42,42 @@ def loop(result: Result) -> Loop:
     return found
 
 
-def test_without_slip_the_boundary_moves_as_the_stuck_bodies_do() -> None:
+def test_half_planes_have_no_displacement_of_their_own() -> None:
     found = loop(solved(160.0))
-    assert found.driver == "shear"
-    stuck = found.displacement - found.displacement[0] - found.slip["main"]
-    force = found.force - found.force[0]
-    assert np.abs(stuck - force / found.stuck_stiffness).max() < 1e-12 * np.abs(stuck).max()
+    assert np.isnan([found.displacement_range, found.stiffness, found.loss_factor]).all()
+    assert found.joint_stiffness == pytest.approx(found.force_range / found.slip_range)
 
 
 def test_slip_does_the_friction_work() -> None:
     found = loop(solved(160.0))
-    by_slip, whole = (
-        float(np.trapezoid(found.force, each)) for each in (found.slip["main"], found.displacement)
-    )
-    assert by_slip == pytest.approx(whole, rel=1e-9)
+    by_slip = float(np.trapezoid(found.force, found.slip["main"]))
     # Of steps within which the pressure is even, but not the shear.
-    assert found.work == pytest.approx(whole, rel=0.01)
-    size = np.pi * found.force_range * found.displacement_range
-    assert found.loss_factor == pytest.approx(4 * found.work / size, rel=1e-12)
+    assert found.work == pytest.approx(by_slip, rel=0.01)
+    assert 0 < found.slip_bar < 0.02 * found.slip_range
 
 
-def test_stiffnesses_are_in_series() -> None:
-    found = loop(solved(160.0))
-    parts = 1 / found.stuck_stiffness + 1 / found.joint_stiffness
-    assert 1 / found.stiffness == pytest.approx(parts, rel=1e-12)
-    assert found.force_range == pytest.approx(320.0, rel=1e-9)
-    less = loop(solved(80.0))
-    assert less.stuck_stiffness == pytest.approx(found.stuck_stiffness, rel=1e-6)
-    assert less.joint_stiffness > 2.2 * found.joint_stiffness
-    assert less.loss_factor < 0.6 * found.loss_factor
+def test_smaller_loops_slip_less() -> None:
+    less, more = loop(solved(80.0)), loop(solved(160.0))
+    assert more.force_range == pytest.approx(320.0, rel=1e-9)
+    assert less.joint_stiffness > 2.2 * more.joint_stiffness
+
+
+def test_an_edge_that_moves_is_no_slip() -> None:
+    """P and Q grow together, Q by less than f P: nothing slips, though nodes touch and part."""
+    press_on = [{"ramp": -400.0, "until": 1.0, "steps": 4}]
+    turns = [{"ramp": -800.0, "until": 1.5, "steps": 8}, {"ramp": -400.0, "until": 2.0, "steps": 8}]
+    shear = [
+        HOLD,
+        {"ramp": 60.0, "until": 1.5, "steps": 8},
+        {"ramp": 0.0, "until": 2.0, "steps": 8},
+    ]
+    loads = {
+        "press": {**PAD["loads"]["press"], "history": [*press_on, *turns]},
+        "shear": {**PAD["loads"]["shear"], "history": shear},
+    }
+    case = parse_case(pad(loads=loads, cycle={"start": 1.0, "end": 2.0}))
+    for each in joint_loops(fretfe.run(case, backend="halfplane")):
+        assert each.slip_range == 0
 
 
 def test_masing() -> None:
@@ -97,8 +104,6 @@ def test_the_thickness_counts() -> None:
     assert found.force_range == pytest.approx(320.0, rel=1e-9)
     by_slip = float(np.trapezoid(found.force, found.slip["main"]))
     assert found.work == pytest.approx(by_slip, rel=0.01)
-    # Nearly twice as stiff in all: half of P per length makes a narrower contact.
-    assert 1.9 < found.stuck_stiffness / loop(solved(160.0)).stuck_stiffness < 2.1
 
 
 def test_two_loads_have_a_loop_each_and_no_loss_factor() -> None:
@@ -116,7 +121,8 @@ def test_the_command_prints_and_writes(tmp_path: Path) -> None:
         rows = list(csv.DictReader(file))
     assert [float(row["force"]) for row in rows] == loop(solved(160.0)).force.tolist()
     (found,) = json.loads(run(["joint", str(tmp_path), "--json"]).output)
-    assert found["loss_factor"] == pytest.approx(loop(solved(160.0)).loss_factor, rel=1e-9)
+    assert found["joint_stiffness"] == pytest.approx(loop(solved(160.0)).joint_stiffness, rel=1e-9)
+    assert found["loss_factor"] is None
 
 
 def test_a_run_without_a_cycle_is_refused() -> None:

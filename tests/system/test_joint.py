@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Contacts as joints between meshed bodies: displacements of what is driven, and their parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from cases.pad_cases import BASE, HOLD, TOP, cylinder, pad, press, wave
+
+import fretfe
+from fretfe.case import parse_case
+from fretfe.exchange.joint import Loop, joint_loops
+
+
+def loop(amplitude: float, size: float = 0.02) -> Loop:
+    shear = {**TOP, "direction": "x", "history": [HOLD, wave(amplitude, cycles=2, steps=20)]}
+    tables = {
+        "geometry": cylinder(size=size),
+        "loads": {"press": press(), "shear": shear},
+        "supports": BASE,
+    }
+    (found,) = joint_loops(fretfe.run(parse_case(pad(**tables))))
+    return found
+
+
+@pytest.fixture(scope="module")
+def sheared() -> Loop:
+    return loop(120.0)
+
+
+def test_without_slip_the_boundary_moves_as_the_stuck_bodies_do(sheared: Loop) -> None:
+    assert sheared.driver == "shear"
+    stuck = sheared.displacement - sheared.displacement[0] - sheared.slip["main"]
+    force = sheared.force - sheared.force[0]
+    assert np.abs(stuck - force / sheared.stuck_stiffness).max() < 1e-12 * np.abs(stuck).max()
+
+
+def test_slip_does_the_friction_work(sheared: Loop) -> None:
+    by_slip, whole = (
+        float(np.trapezoid(sheared.force, each))
+        for each in (sheared.slip["main"], sheared.displacement)
+    )
+    assert by_slip == pytest.approx(whole, rel=1e-9)
+    assert sheared.work == pytest.approx(whole, rel=0.02)
+    size = np.pi * sheared.force_range * sheared.displacement_range
+    assert sheared.loss_factor == pytest.approx(4 * sheared.work / size, rel=1e-12)
+
+
+def test_stiffnesses_are_in_series(sheared: Loop) -> None:
+    parts = 1 / sheared.stuck_stiffness + 1 / sheared.joint_stiffness
+    assert 1 / sheared.stiffness == pytest.approx(parts, rel=1e-12)
+
+
+def test_bars_hold_the_slip_of_half_planes(sheared: Loop) -> None:
+    """Slip as of Cattaneo and Mindlin: 2 f P/(pi E*) ((1 - u) ln(1 - u) + u) with u = Q/(f P)."""
+    left, modulus = 1 - 120 / 240, 210e3 / (2 * (1 - 0.3**2))
+    exact = 2 * 240 / (np.pi * modulus) * (left * np.log(left) + 1 - left)
+    assert abs(sheared.slip_range - exact) < sheared.slip_bar < 0.3 * exact
+
+
+def test_slip_that_elements_hide_is_unknown() -> None:
+    found = loop(5.0)
+    assert np.isnan([found.joint_stiffness, found.loss_factor]).all()
+    assert found.slip_range == 0
+    assert np.isinf(found.bar)
