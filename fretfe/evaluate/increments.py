@@ -47,7 +47,7 @@ class ContactSteps:
     Attributes:
         solution: the solved history, with the cycle of the contact.
         dundurs: beta.
-        layer: length over which a layer rounds off the tractions next to an edge.
+        layer: (2,) lengths E*/k of a layer, across and along the surface; zero without one.
         friction: (T,) whether there is any in the step that ends at each state.
         touching: (T,) states in which there is contact.
         intervals: first and last state of each run of states in which the contact exists, one at
@@ -57,7 +57,7 @@ class ContactSteps:
 
     solution: Solution
     dundurs: float
-    layer: float
+    layer: Array
     friction: Bools
     touching: Bools
     intervals: tuple[tuple[int, int], ...]
@@ -69,7 +69,7 @@ class ContactSteps:
         return cls(
             solution,
             contact.surface.dundurs,
-            contact.surface.layer,
+            np.zeros(2) if contact.surface.layer is None else contact.surface.layer,
             contact.friction.acts,
             contact.pressed_nodes > 0,
             contact.intervals,

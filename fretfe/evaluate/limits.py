@@ -164,12 +164,14 @@ def contact_limits(
         extent.pressure / modulus,
         LARGEST_STRAIN,
     )
-    if contact.surface.layer > 0:
+    if contact.surface.layer is not None:
+        across, along = contact.surface.layer
+        way = "across" if across >= along else "along"
         yield ModelLimit(
             contact.name,
             Kind.LAYER,
-            "length E*/k over which the layer gives, over the half-width",
-            2 * contact.surface.layer / extent.width,
+            f"length E*/k over which the layer gives {way} the surface, over the half-width",
+            2 * max(across, along) / extent.width,
             LARGEST_LAYER,
         )
 

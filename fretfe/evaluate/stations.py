@@ -37,6 +37,7 @@ from fretfe.evaluate.factors import (
 )
 from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
+from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import LoadPath, excess, load_path
 from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.slip import FindBorder, cycle_states, slip_zones
@@ -44,16 +45,6 @@ from fretfe.evaluate.verdicts import FLANK
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import Factor
-
-# A layer rounds off tractions within E*/k of an edge. Over the half-width a, on half-planes: K_N by
-# fits is .2 % low with .001 a and, over elements of .001 a, which see little else, 10 and 31 % with
-# .003 and .01 a; over elements of .02 a .5 % with .01 a. Ranges of K_T are .03, .4 and 1.2 % lower
-# with .001, .01 and .03 a; edges by fits are .008, .038 and .02 a inward with .01, .1 and 1 a.
-ROUNDED_K_N = 20.0
-ROUNDED_FITS = 0.5
-ROUNDED_ELEMENTS = 10.0
-ROUNDED_K_T = 0.5
-ROUNDED_PLACE = 0.05
 
 
 @dataclass(frozen=True)
@@ -163,15 +154,19 @@ class EdgeData(ABC):
         """The station of which nothing is known, since fretfe failed."""
         return unknown_station(*self.front(number), len(self.steps.touching), failed(fault))
 
-    def layer(self, number: int) -> float:
-        """Length over which a layer rounds off the tractions at an edge, over the half-width."""
-        return self.steps.layer / float(self.half_widths[number]) if self.steps.layer else 0.0
+    def layer(self, number: int) -> LayerAtEdge:
+        """The layer of the contact at an edge."""
+        across, along = self.steps.layer
+        half_width = float(self.half_widths[number]) if across else 1.0
+        return LayerAtEdge(across / half_width, along / half_width, across / self.size(number))
 
-    def moved_inward(self, number: int) -> float:
-        """Length by which fits of roots to rounded tractions may find an edge too far inward."""
-        return min(self.layer(number), ROUNDED_PLACE) * float(
-            np.nan_to_num(self.half_widths[number])
-        )
+    def moved_inward(self, number: int) -> Array | float:
+        """(T,) lengths by which fits of roots may find an edge that a layer rounds off inward.
+
+        As far as that on half-planes, .05 of the half-width.
+        """
+        half_width = float(np.nan_to_num(self.half_widths[number]))
+        return min(float(self.steps.layer[0]), 0.05 * half_width)
 
     @property
     def cycle(self) -> Indices:
@@ -252,7 +247,7 @@ class EdgeData(ABC):
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         swing = cycle_range(along.k_t, states)
-        parts = [*self.unresolved(number, direction), ROUNDED_K_T * self.layer(number) * swing]
+        parts = [*self.unresolved(number, direction), self.layer(number).range_error * swing]
         spread = range_spread(self.factors, number, direction, parts, states, self.path)
         point, frame = self.place(number, history.decisive)
         fitted = self.factors.fitted
@@ -296,15 +291,16 @@ class EdgeData(ABC):
         factors = self.factors.ways[:, number].mean(axis=0)
         *_, k_s = np.pad(factors, ((0, 0), (0, 3 - factors.shape[1]))).T
         front, along = self.front(number)
-        seen = min(self.steps.layer / (ROUNDED_ELEMENTS * self.size(number)), 1.0)
-        rounded_off = (ROUNDED_K_N * self.layer(number) + ROUNDED_FITS * seen) * fit.k_n
+        spread = with_moved(fit.k_n, fit.spread_k_n, moved)
+        around = moved.k_n, moved.spread, moved.state
+        k_n, spread = self.layer(number).k_n(fit.k_n, spread, around, self.force)
         return StationHistory(
             front=front,
             number=along,
             position=fit.position,
             position_spread=np.hypot(fit.spread_position, self.moved_inward(number)),
-            k_n=fit.k_n,
-            k_n_spread=np.hypot(with_moved(fit.k_n, fit.spread_k_n, moved), rounded_off),
+            k_n=k_n,
+            k_n_spread=spread,
             k_t=factors[:, Factor.K_T],
             k_s=k_s,
             k_i=factors[:, Factor.K_I],

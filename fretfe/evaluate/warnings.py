@@ -79,7 +79,7 @@ def plane_warnings(
         yield from about(name, "", [(Kind.GROSS_SLIP, "the whole contact slides in the cycle")])
     # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
     unknown = Kind.K_N_LINEAR if solution.degree == 1 else Kind.K_N_UNCERTAIN
-    unknown = Kind.LAYER if contact.surface.layer else unknown
+    unknown = Kind.LAYER if contact.surface.layer is not None else unknown
     for station in stations:
         yield from about(name, station.front, _uncertain(station, unknown))
     for station in stations:

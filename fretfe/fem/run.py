@@ -506,7 +506,7 @@ def _place(prepared: Prepared, pair: Pair) -> Place:
         coupling.surface,
         dundurs=coupled_beta(model.case, *names),
         growth=_growth(prepared.mesh, pair),
-        layer=float(pair.layer.max()) * _modulus(model.case, pair),
+        layer=pair.layer.max(axis=0) * _modulus(model.case, pair) if pair.layer.any() else None,
     )
     return Place(*names, surface, coupling.averaging)
 

@@ -30,7 +30,7 @@ from fretfe.history.solution import ContactHistory, Factor, NearbyLoads, Solutio
 from fretfe.history.stream import UNSEEN, Storage
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.idealise.bodies import SIMILAR
-from fretfe.idealise.problem import contact_edges, governing_length
+from fretfe.idealise.problem import contact_edges, governing_length, layer_reach
 from fretfe.local.hat_functions import EdgeRange, HatFunctions, graded_grid
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
@@ -45,8 +45,6 @@ SPRING = 1e-9
 MOMENT = "moment"
 COORDINATES = ("shear", "normal", MOMENT)
 TENSION = "tension"
-# A cylinder is wider by 1.2 E* c on either side on a thin layer, by less on a thicker one.
-WIDENED = 2.0
 
 
 @dataclass(frozen=True)
@@ -127,32 +125,6 @@ def edge_shift(problem: HalfPlaneProblem) -> float:
     """
     exponent = sliding_exponent(abs(problem.dundurs), float(problem.friction.max()))
     return float(np.sqrt((1 - exponent) / exponent) - 1)
-
-
-def layer_reach(problem: HalfPlaneProblem) -> float:
-    """Length by which a layer widens a contact at either edge, or more.
-
-    That of a thin layer is of the size of E* c, with c its approach per pressure. If a thick one
-    alone gives under the gap g, it carries P = (2/c) ∫ x g'(x) dx from 0 to the half-width, that of
-    an even contact also where that is tilted.
-    """
-    # Imported where it is needed: most contacts have no layer.
-    from scipy.optimize import brentq
-
-    force, c = float(problem.normal_force.max()), problem.layer[0]
-    if not c > 0:
-        return 0.0
-    # Many, as the profile may have a kink.
-    places, weights = np.polynomial.legendre.leggauss(200)
-
-    def excess(b: float) -> float:
-        x = b * (places + 1) / 2
-        return float(b * weights @ (x * problem.profile.gap_slope(x))) - c * force
-
-    far = float(problem.profile.half_width(force))
-    while excess(far) < 0:
-        far *= 2
-    return min(float(brentq(excess, 0.0, far)), WIDENED * c * problem.profile.e_star)
 
 
 def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
@@ -260,7 +232,7 @@ def _surface(problem: HalfPlaneProblem, hats: HatFunctions) -> ContactSurface:
         frames=np.broadcast_to(frame, (len(x), 2, 2)),
         weights=hats.weights,
         dundurs=problem.dundurs,
-        layer=max(problem.layer) * problem.profile.e_star,
+        layer=np.array(problem.layer) * problem.profile.e_star if any(problem.layer) else None,
     )
 
 

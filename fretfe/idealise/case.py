@@ -28,7 +28,7 @@ from fretfe.idealise.bodies import (
     side_tension,
     tangential_ratio,
 )
-from fretfe.idealise.problem import HalfPlaneProblem, contact_edges
+from fretfe.idealise.problem import HalfPlaneProblem, contact_edges, layer_reach
 from fretfe.loads import History, build_history
 from fretfe.loads.friction import read_coefficients
 from fretfe.materials.moduli import plane_modulus
@@ -279,7 +279,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     )
     problem.require_partial_slip()
     edges = contact_edges(problem)
-    reach = float(np.nanmax(np.abs([edges.left, edges.right])))
+    reach = float(np.nanmax(np.abs([edges.left, edges.right]))) + layer_reach(problem)
     if block.smallest < SMALLEST_BODY * reach:
         raise NotIdealisable(case, [_too_small(block, reach)])
     return problem.with_errors(*_errors(case, block, reach)).with_notes(_notes(case, block, reach))

@@ -183,3 +183,29 @@ def governing_length(problem: HalfPlaneProblem, half_width: float) -> float:
     """Length over which the edge description holds: a, or a - b of a flat-and-rounded profile."""
     inner = [kink for kink in problem.profile.kinks if kink < half_width]
     return half_width - max(inner, default=0.0)
+
+
+def layer_reach(problem: HalfPlaneProblem) -> float:
+    """Length by which a layer widens a contact at either edge, or more.
+
+    On a thin layer a cylinder is wider by 1.2 E* c, with c its approach per pressure. If a thick
+    one alone gives under the gap g, it carries P = (2/c) ∫ x g'(x) dx from 0 to the half-width,
+    that of an even contact also where that is tilted.
+    """
+    # Imported where it is needed: most contacts have no layer.
+    from scipy.optimize import brentq
+
+    force, c = float(problem.normal_force.max()), problem.layer[0]
+    if not c > 0:
+        return 0.0
+    # Many, as the profile may have a kink.
+    places, weights = np.polynomial.legendre.leggauss(200)
+
+    def excess(b: float) -> float:
+        x = b * (places + 1) / 2
+        return float(b * weights @ (x * problem.profile.gap_slope(x))) - c * force
+
+    far = float(problem.profile.half_width(force))
+    while excess(far) < 0:
+        far *= 2
+    return min(float(brentq(excess, 0.0, far)), 2 * c * problem.profile.e_star)

@@ -362,9 +362,7 @@ def _read_contact(
     require_shapes(group, count, len(states))
     names = [each.name for each in fields(ContactSurface) if each.name in group]
     surface = ContactSurface(
-        **{each: group[each][:] for each in names},
-        dundurs=float(group.attrs["dundurs"]),
-        layer=float(group.attrs["layer"]),
+        **{each: group[each][:] for each in names}, dundurs=float(group.attrs["dundurs"])
     )
     nodal: dict[str, Any] = {each: _stored(path, group[each], states, count) for each in NODAL}
     # There only of one of several patches.

@@ -400,8 +400,7 @@ def _extremes(contacts: tuple[Contact, ...], cycle: tuple[int, int] | None) -> s
 def _write_contact(group: h5py.Group, contact: ContactHistory, states: Indices) -> None:
     """Write a contact: what it has for each state in some of the states."""
     names = {"pair": contact.pair, "body1": contact.body1, "body2": contact.body2}
-    surface = contact.surface
-    group.attrs.update({**names, "dundurs": surface.dundurs, "layer": surface.layer})
+    group.attrs.update({**names, "dundurs": contact.surface.dundurs})
     for name in NODAL:
         _write_rows(group, name, getattr(contact, name), states)
     friction = contact.friction.fields

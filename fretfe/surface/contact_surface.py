@@ -35,8 +35,9 @@ class ContactSurface:
             where it has no part in the evaluation: without friction, and of crystals.
         growth: of the elements of plane bodies with the distance from the surface; zero of
             half-planes, and of solutions that were read, whose evaluation is read too.
-        layer: E* times the larger compliance of a layer between the surfaces: the length over which
-            it rounds off what the tractions are like next to an edge; zero without a layer.
+        layer: (2,) E* times the compliances of a layer to pressure and to shear, the largest all
+            over the surface: lengths over which tractions next to an edge are rounded off; None
+            without a layer.
     """
 
     arc: Array
@@ -48,7 +49,7 @@ class ContactSurface:
     continued: Array | None = None
     dundurs: float = 0.0
     growth: float = 0.0
-    layer: float = 0.0
+    layer: Array | None = None
 
     def nodes_at(self, edge: Array) -> Indices:
         """(T,) node nearest to an edge in each state.

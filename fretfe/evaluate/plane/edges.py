@@ -29,6 +29,7 @@ from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import FindBorder, cycle_states
 from fretfe.evaluate.stations import EdgeData, MovedEdge
 from fretfe.history.solution import ContactHistory, NearbyLoads
+from fretfe.history.state_array import blocks
 
 # Bodies are too stiff for waves of any length along the contact whose elements grow by g of the
 # distance from it, however fine they are at the edges: K_N is this times g^2 high with elements of
@@ -100,6 +101,19 @@ class PlaneEdges(EdgeData):
             return MovedEdge()
         half_width = abs(float((self.centre - fit.position)[nearby.state]))
         return moved_edge(self.contact, nearby, front, half_width, float(exponents[nearby.state]))
+
+    def moved_inward(self, number: int) -> Array | float:
+        """(T,) distances of an edge by fits from the last node under pressure, behind a layer."""
+        if not self.steps.layer[0]:
+            return 0.0
+        arc, traction = self.contact.surface.arc, self.contact.traction
+        ends = np.full(len(traction), np.nan)
+        for states in blocks(len(traction), traction[0].size):
+            pressed = traction[states, :, 0] > 0
+            last = arc if PLANE_FRONTS[number].inward < 0 else -arc
+            outermost = np.where(pressed, last, -np.inf).max(axis=1)
+            ends[states] = outermost if PLANE_FRONTS[number].inward < 0 else -outermost
+        return np.abs(np.nan_to_num(ends - self.fits[number].position, posinf=0.0, neginf=0.0))
 
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements, and by states left out."""
