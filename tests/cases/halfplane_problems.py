@@ -11,7 +11,7 @@ from fretfe.analytic.profiles import Hertz, Profile
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.step_ends import at_step_ends
-from fretfe.halfplane import solve_half_planes
+from fretfe.halfplane import HalfPlaneOutcome, solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
 from fretfe.loads import History
 
@@ -71,7 +71,10 @@ def started(values: Array) -> Array:
 def solved(
     given: HalfPlaneProblem, elements: int = 300, reference_length: float | None = None
 ) -> Contact:
-    outcome = solve_half_planes(given, elements)
+    return evaluated(solve_half_planes(given, elements), reference_length)
+
+
+def evaluated(outcome: HalfPlaneOutcome, reference_length: float | None = None) -> Contact:
     assert outcome.failure is None
     units = outcome.unit_factors
     contacts = evaluate(outcome.solution, units, reference_length=reference_length)
