@@ -23,6 +23,7 @@ from fretfe.loads.friction import read_coefficients
 from fretfe.loads.over_surface import OverSurface, read_gap, read_layer
 from fretfe.materials.crystals import turned
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.report.texts import rounded
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import require_covered
 from fretfe.surface.gap import LARGEST_MISS, gap_at_nodes, gap_missed
@@ -163,6 +164,21 @@ def _with_gap(pair: Pair, surface: ContactSurface, given: OverSurface, unit: str
             "to all values, or press them together by an 'interference'"
         )
     return np.asarray(gap)
+
+
+def between_surfaces(case: Case, pair: Pair) -> Iterator[str]:
+    """Gap and layer between the surfaces of a contact, in words."""
+    units, contact = case.units, case.contacts[pair.name]
+    if contact.gap is not None:
+        gap = pair.coupling.gap / pair.coupling.surface.weights
+        low, high = (rounded(float(each)) for each in (gap.min(), gap.max()))
+        yield f"gap with that of {contact.gap}: {low} to {high} {units.length}"
+    if pair.layer.any():
+        stiffest = 1 / pair.layer.min(axis=0)
+        softest, unit = 1 / pair.layer.max(axis=0), f"{units.stress}/{units.length}"
+        for number, way in enumerate(("across", "along")):
+            ends = dict.fromkeys(rounded(float(each[number])) for each in (softest, stiffest))
+            yield f"layer: {' to '.join(ends)} {unit} {way} the surface"
 
 
 def missed_gaps(case: Case, pairs: Sequence[Pair]) -> Iterator[str]:

@@ -81,7 +81,7 @@ def _propose(deck: Path) -> None:
 
 
 def _print(checked: Checked) -> None:
-    from fretfe.bodies.continued import missed_gaps
+    from fretfe.bodies.continued import between_surfaces, missed_gaps
     from fretfe.bodies.expected import coarse_contacts, pressure_doubts
     from fretfe.bodies.free_ends import end_warning
     from fretfe.case import stiffness_doubts
@@ -116,6 +116,8 @@ def _print(checked: Checked) -> None:
             f"{len(pair.coupling.surface.weights)} multiplier nodes",
             highlight=False,
         )
+        for text in between_surfaces(case, pair):
+            console.print(f"  {text}", highlight=False, markup=False)
     modes = checked.restrained_modes
     free = []
     for motion in dict.fromkeys(modes.values()):

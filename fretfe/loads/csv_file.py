@@ -56,7 +56,7 @@ class Table:
         columns: by name.
         lines: of the rows.
         units: cells of a row of units below the header; none without. Nothing is converted.
-        bracketed: by column, the unit in brackets behind its name in the header.
+        stated: by column, the unit in brackets behind its name, or in a row below the header.
         marked: (n,) rows with a mark in the column that may have one; (0,) if none may.
     """
 
@@ -64,7 +64,7 @@ class Table:
     columns: dict[str, Array]
     lines: Sequence[int]
     units: tuple[str, ...] = ()
-    bracketed: Mapping[str, str] = field(default_factory=dict)
+    stated: Mapping[str, str] = field(default_factory=dict)
     marked: Bools = field(default_factory=lambda: np.zeros(0, dtype=bool))
 
     def require_increasing(self, name: str, what: str) -> None:
@@ -78,6 +78,17 @@ class Table:
         if wrong.size:
             row = int(wrong[0]) + 1
             self.complain(row, name, f"a {what} after {values[row - 1]:g}")
+
+    def require_units(self, units: Mapping[str, str]) -> None:
+        """Check that columns are in some units, by name, where the file says in which they are.
+
+        Raises:
+            CaseError: names the first one that is not.
+        """
+        for name, unit in self.stated.items():
+            if unit != units.get(name, unit):
+                expected = f"expected {name} in {units[name]}, found {name} in {unit}"
+                raise CaseError(f"{self.path}: {expected}")
 
     def complain(self, row: int, name: str, expected: str) -> None:
         """Raise the error that says what was expected of a value.
@@ -119,6 +130,7 @@ def read_table(
     units: tuple[str, ...] = ()
     if first is not None and _are_units(first[1]):
         units = tuple(cell.strip() for cell in first[1])
+        bracketed |= dict(zip(header, units, strict=False))
         first = next(rows, None)
     if first is None:
         raise CaseError(f"{path}: expected rows of numbers below the header, found none")

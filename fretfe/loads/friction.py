@@ -110,10 +110,7 @@ def _in_file(case: Case, given: InFile) -> dict[str, Array]:
     if found not in (("time",), ("arc",), AXES[:2], AXES):
         expected = "a column time, a column arc, or columns x and y (and z)"
         raise CaseError(f"{path}: expected {expected}, found {' and '.join(found) or 'none'}")
-    units = {each: case.units.length for each in found} | {"time": case.units.time}
-    for name, unit in table.bracketed.items():
-        if unit != units.get(name, unit):
-            raise CaseError(f"{path}: expected {name} in {units[name]}, found {name} in {unit}")
+    table.require_units({each: case.units.length for each in found} | {"time": case.units.time})
     values = table.columns[COEFFICIENT]
     if (wrong := np.flatnonzero(values < 0)).size:
         table.complain(int(wrong[0]), COEFFICIENT, "a coefficient >= 0")

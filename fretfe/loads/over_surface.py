@@ -81,6 +81,9 @@ def _read(
         if found == ("arc",):
             table.require_increasing("arc", "value")
             require_whole(case)
+        stiffness = dict.fromkeys(columns, f"{case.units.stress}/{case.units.length}")
+        length = dict.fromkeys((*over, "gap"), case.units.length)
+        table.require_units(stiffness | length)
         check(table)
     except CaseError as error:
         raise CaseError(f"{place}: {error}") from None

@@ -12,6 +12,9 @@ from fretfe.loads.friction import BEYOND
 from fretfe.loads.over_surface import OverSurface
 from fretfe.surface.contact_surface import ContactSurface
 
+# Points may be as far from the nodes as the surfaces are from one another, over their extent.
+NEXT_TO = 0.02
+
 
 def on_arc(places: Array, values: Array, surface: ContactSurface) -> Array:
     """(N,) values at the nodes of a plane contact, straight lines between those at arc lengths.
@@ -59,7 +62,8 @@ def nearest(points: Array, surface: ContactSurface) -> Indices:
     away, found = tree.query(surface.points)
     gaps = tree.query(points, k=2)[0][:, 1]
     farthest, apart = int(np.argmax(away)), float(gaps[np.isfinite(gaps)].max(initial=0.0))
-    if away[farthest] > apart:
+    extent = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
+    if away[farthest] > max(apart, NEXT_TO * extent):
         place = ", ".join(f"{each:.6g}" for each in surface.points[farthest])
         raise CaseError(
             f"expected points over the whole surface, found none nearer to ({place}) than "

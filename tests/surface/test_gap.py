@@ -117,6 +117,8 @@ def test_waves_that_elements_do_not_have_are_measured(tmp_path: Path) -> None:
         ("arc,x,gap\n0,1,0\n", "found arc and x"),
         ("arc,gap\n1,0\n0,0\n", "column 'arc': expected a value after 1"),
         ("arc,gap\n0,a\n", "line 2, column 'gap'"),
+        ("arc,gap\nmm,um\n-2,0\n2,0\n", "expected gap in mm, found gap in um"),
+        ("arc,gap [um]\n-2,0\n2,0\n", "expected gap in mm, found gap in um"),
     ],
 )
 def test_wrong_files_are_refused_before_meshing(tmp_path: Path, text: str, expected: str) -> None:
