@@ -156,6 +156,11 @@ class Load(Table):
         return getattr(self, "tie", "")
 
     @property
+    def loosens(self) -> bool:
+        """True if nothing but its own force goes across the tie that it has."""
+        return False
+
+    @property
     def push(self) -> Push | None:
         """Force on its boundary, not uniform unless its kind says so; None if it gives none."""
         known = self.moves or self.rigid or not self.on
@@ -558,6 +563,11 @@ class PretensionLoad(Load):
     )
 
     moves = True
+
+    @property
+    def loosens(self) -> bool:
+        """True if nothing but its own force goes across its tie."""
+        return self.control == "force"
 
     def unit(self, units: Units) -> str:
         """Unit of the history, in those of a case."""

@@ -446,7 +446,7 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
             )
             failure = ConvergenceError(f"{error} {hint}") if hint else error
     else:
-        _require_contact(recorder, prepared.model.dimension)
+        _require_contact(case, recorder, prepared.model.dimension)
     return _Marched(recorder, cycles.solved(recorder.steps_done), failure)
 
 
@@ -526,10 +526,11 @@ def _growth(mesh: Mesh, pair: Pair) -> float:
     return max(growth_inward(body, surface.points, surface.weights) for body in bodies)
 
 
-def _require_contact(recorder: Recorder, dimension: int) -> None:
+def _require_contact(case: Case, recorder: Recorder, dimension: int) -> None:
     """A history in which contact never carries anything is a mistake in the case."""
     if recorder.contact_carries:
         return
+    loose = [name for name, load in case.loads.items() if load.loosens]
     adrift = recorder.bodies_restrained_by_contact
     weights = np.concatenate([each.surface.weights for each in recorder.places])
     reason = (
@@ -539,6 +540,11 @@ def _require_contact(recorder: Recorder, dimension: int) -> None:
         else f"the smallest gap on the way was {max(recorder.smallest_gap, 0.0):.6g}. "
         + untouched_hint(recorder.smallest_gap, weights, dimension)
     )
+    if loose:
+        reason += (
+            f". Across the tie of loads.{loose[0]} no force is carried but its own, which other "
+            "loads find no way around: control its overlap"
+        )
     raise ModelError(f"no contact surfaces pressed on each other in any step: {reason}.")
 
 
