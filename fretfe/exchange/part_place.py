@@ -23,7 +23,9 @@ SAME_TIME = 1e-9
 
 def driving_states(result: Result) -> Indices:
     """(n,) states of a run that drive a part: all but those of added cycles on the way."""
-    return told_states(result.loads, len(build_history(result.case).times) - 1)
+    end = float(build_history(result.case).times[-1])
+    written = np.searchsorted(result.loads.times, end * (1 + SAME_TIME), side="right") - 1
+    return told_states(result.loads, int(written))
 
 
 def require_fields(result: Result) -> Path:

@@ -327,7 +327,7 @@ def test_loads_within_the_part_stay(whole: Result, tmp_path: Path) -> None:
     """All others have done their work in the run; what acts on a part of a boundary is refused."""
     body = {"young": 210e3, "poisson": 0.3, "density": 7.8e-9, "expansion": 1.2e-5}
     body = {**body, "reference_temperature": 20.0}
-    ramp = {"history": [{"ramp": 2.0, "until": 1.0, "steps": 1}]}
+    ramp = {"history": [{"ramp": 2.0, "until": 1.0, "steps": 1}, {"hold": True, "until": 3.0}]}
     layer = {"type": "eigenstrain", "depths": [0, 0.1], "values": [1e-3, 0]}
     surfaces = ["upper_contact", "lower_bottom"]
     away = {"type": "traction", "boundary": "lower_right", "direction": "normal", **ramp}
