@@ -22,7 +22,7 @@ from fretfe.errors import CaseError
 from fretfe.loads.friction import read_coefficients
 from fretfe.loads.over_surface import OverSurface, read_gap, read_layer
 from fretfe.materials.crystals import turned
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.report.texts import rounded
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import require_covered
@@ -157,11 +157,11 @@ def _with_gap(pair: Pair, surface: ContactSurface, given: OverSurface, unit: str
     deepest = int(np.argmin(after))
     # Interpolated values of surfaces that are meant to touch may overlap by some of their range.
     if after[deepest] < min(before.min(), 0.0) - 0.01 * np.ptp(added):
-        place = ", ".join(f"{each:.6g}" for each in surface.points[deepest])
         raise CaseError(
             f"{given.key}: expected a gap that leaves the surfaces apart or touching before any "
-            f"load acts, found an overlap of {-after[deepest]:.4g} {unit} at ({place}): add that "
-            "to all values, or press them together by an 'interference'"
+            f"load acts, found an overlap of {-after[deepest]:.4g} {unit} at "
+            f"{place_text(surface.points[deepest])}: add that to all values, or press them "
+            "together by an 'interference'"
         )
     return np.asarray(gap)
 

@@ -110,15 +110,14 @@ def add_layers(
     Args:
         matrix: of the bodies.
         contacts: node range of each contact.
-        layers: approach per pressure, and displacement along the surface per shear, (N, 2) at the
-            nodes or (2,) at all of them, by contact.
+        layers: (N, 2) approach per pressure, and displacement along the surface per shear, at the
+            nodes of each contact.
         d: components.
     """
     diagonal = np.einsum("ii->i", matrix).reshape(-1, d)
     for name, nodes in contacts.items():
-        normal, tangential = np.moveaxis(layers[name], -1, 0)
-        diagonal[nodes, 0] += normal
-        diagonal[nodes, 1:] += np.expand_dims(tangential, -1)
+        diagonal[nodes, :1] += layers[name][:, :1]
+        diagonal[nodes, 1:] += layers[name][:, 1:]
 
 
 @dataclass(frozen=True, eq=False)

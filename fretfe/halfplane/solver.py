@@ -87,7 +87,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     compliance[:, 1, :, 1] = problem.tangential * scaled
     compliance[:, 0, :, 1], compliance[:, 1, :, 0] = coupling, coupling.T
     matrix, contacts = compliance.reshape(2 * size, -1), {problem.contact: slice(0, size)}
-    add_layers(matrix, contacts, {problem.contact: np.array(problem.layer)}, 2)
+    add_layers(matrix, contacts, {problem.contact: np.tile(problem.layer, (size, 1))}, 2)
     gap, tension = np.zeros((size, 2)), np.zeros((size, 2))
     gap[:, 0] = hats.integrate(problem.profile.gap) / roots
     # A bulk tension sigma0 stretches surface 2 by sigma0/(2 E*) more than surface 1.
@@ -139,15 +139,10 @@ def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
     half_width = float(np.min(contact.right[states] - contact.left[states]) / 2)
     length = governing_length(problem, half_width)
     shift, wider_by = edge_shift(problem) * half_width, layer_reach(problem)
-    left = EdgeRange(
-        float(contact.left[states].min()) - shift - wider_by,
-        float(contact.left[states].max()) + shift,
-        length,
-    )
-    right = EdgeRange(
-        float(contact.right[states].min()) - shift,
-        float(contact.right[states].max()) + shift + wider_by,
-        length,
+    outward = (contact.left, shift + wider_by, shift), (contact.right, shift, shift + wider_by)
+    left, right = (
+        EdgeRange(float(edge[states].min()) - below, float(edge[states].max()) + above, length)
+        for edge, below, above in outward
     )
     kinks = np.array(problem.profile.kinks)
     # The neighbours of the last state are wider than anything in the history.

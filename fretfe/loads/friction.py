@@ -10,12 +10,11 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, complaint
-from fretfe.case.base import AXES
 from fretfe.case.friction import InFile, OverArc, OverTime
 from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
-from fretfe.loads.over_surface import require_whole
+from fretfe.loads.over_surface import OVER, places_in, require_whole
 
 # Column of the coefficients in a file.
 COEFFICIENT = "friction"
@@ -94,22 +93,15 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
             found = {"values": np.array([number])}
     place = f"{case.source}: {key_path(key)}"
     if "arc" in found:
-        try:
-            require_whole(case)
-        except CaseError as error:
-            raise CaseError(f"{place}: {error}") from None
+        require_whole(case, place)
     return Coefficients(place, contact.friction_from, **found)
 
 
 def _in_file(case: Case, given: InFile) -> dict[str, Array]:
     """Coefficients, and what they are over."""
     path = case.resolve(given.csv)
-    over = ("time", "arc", *AXES)
-    table = read_table(path, (COEFFICIENT,), over, given.separator)
-    found = tuple(each for each in over if each in table.columns)
-    if found not in (("time",), ("arc",), AXES[:2], AXES):
-        expected = "a column time, a column arc, or columns x and y (and z)"
-        raise CaseError(f"{path}: expected {expected}, found {' and '.join(found) or 'none'}")
+    table = read_table(path, (COEFFICIENT,), ("time", *OVER), given.separator)
+    found = places_in(table, ("time",))
     table.require_units({each: case.units.length for each in found} | {"time": case.units.time})
     values = table.columns[COEFFICIENT]
     if (wrong := np.flatnonzero(values < 0)).size:

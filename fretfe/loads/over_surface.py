@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -14,6 +14,9 @@ from fretfe.case.base import AXES
 from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import Table, read_table
+
+# Columns with places.
+OVER = ("arc", *AXES)
 
 
 @dataclass(frozen=True)
@@ -40,7 +43,9 @@ def read_gap(case: Case, name: str) -> OverSurface | None:
         CaseError: its file cannot be read, or has other columns than expected.
     """
     given = case.contacts[name].gap
-    return None if given is None else _read(case, ("contacts", name, "gap"), given, ("gap",))
+    if given is None:
+        return None
+    return _read(case, ("contacts", name, "gap"), given, {"gap": case.units.length})
 
 
 def read_layer(case: Case, name: str) -> OverSurface | None:
@@ -52,56 +57,64 @@ def read_layer(case: Case, name: str) -> OverSurface | None:
     layer = case.contacts[name].layer
     if layer is None or layer.csv is None:
         return None
-    key, columns = ("contacts", name, "layer", "csv"), ("normal", "tangential")
-
-    def require_stiffness(table: Table) -> None:
-        for column in columns:
-            if (wrong := np.flatnonzero(table.columns[column] <= 0)).size:
-                table.complain(int(wrong[0]), column, "a stiffness > 0")
-
-    found = _read(case, key, layer.csv, columns, require_stiffness)
+    key = "contacts", name, "layer", "csv"
+    unit = f"{case.units.stress}/{case.units.length}"
+    found = _read(case, key, layer.csv, {"normal": unit, "tangential": unit}, positive=True)
     return OverSurface(found.key, 1 / found.values, found.arc, found.points)
 
 
 def _read(
-    case: Case,
-    key: tuple[str, ...],
-    file: str,
-    columns: Sequence[str],
-    check: Callable[[Table], None] = lambda _: None,
+    case: Case, key: tuple[str, ...], file: str, units: Mapping[str, str], *, positive: bool = False
 ) -> OverSurface:
-    path, over = case.resolve(file), ("arc", *AXES)
+    """Columns of a file, by name with their units, over arc lengths or places."""
     place = f"{case.source}: {key_path(key)}"
     try:
-        table = read_table(path, columns, over)
-        found = tuple(each for each in over if each in table.columns)
-        if found not in (("arc",), AXES[:2], AXES):
-            expected = "a column arc, or columns x and y (and z)"
-            raise CaseError(f"{path}: expected {expected}, found {' and '.join(found) or 'none'}")
+        table = read_table(case.resolve(file), tuple(units), OVER)
+        found = places_in(table)
+        table.require_units({**units, **dict.fromkeys(found, case.units.length)})
+        for column in units if positive else ():
+            if (wrong := np.flatnonzero(table.columns[column] <= 0)).size:
+                table.complain(int(wrong[0]), column, "a stiffness > 0")
         if found == ("arc",):
             table.require_increasing("arc", "value")
-            require_whole(case)
-        stiffness = dict.fromkeys(columns, f"{case.units.stress}/{case.units.length}")
-        length = dict.fromkeys((*over, "gap"), case.units.length)
-        table.require_units(stiffness | length)
-        check(table)
     except CaseError as error:
         raise CaseError(f"{place}: {error}") from None
-    values = np.column_stack([table.columns[each] for each in columns])
-    places = np.column_stack([table.columns[each] for each in found])
+    values, places = (
+        np.column_stack([table.columns[each] for each in names]) for names in (units, found)
+    )
     if found == ("arc",):
+        require_whole(case, place)
         return OverSurface(place, values, arc=places[:, 0])
     return OverSurface(place, values, points=places)
 
 
-def require_whole(case: Case) -> None:
+def places_in(table: Table, other: Sequence[str] = ()) -> tuple[str, ...]:
+    """Columns that say where numbers of a table hold: arc, coordinates, or another one alone.
+
+    Raises:
+        CaseError: there are none of these, or several.
+    """
+    alone = (*other, "arc")
+    found = tuple(each for each in (*other, *OVER) if each in table.columns)
+    if found not in (*((each,) for each in alone), AXES[:2], AXES):
+        expected = f"{', '.join(f'a column {each}' for each in alone)}, or columns x and y (and z)"
+        there = " and ".join(found) or "none"
+        raise CaseError(f"{table.path}: expected {expected}, found {there}")
+    return found
+
+
+def require_whole(case: Case, place: str) -> None:
     """Check that arc lengths mean something: not in a part of the bodies.
+
+    Args:
+        case: of the bodies.
+        place: file and key that have them.
 
     Raises:
         CaseError: if they do not.
     """
     if case.geometry.part is not None:
         raise CaseError(
-            "expected places x and y in a part of the bodies, whose surfaces have other arc "
-            "lengths, found arc lengths"
+            f"{place}: expected places x and y in a part of the bodies, whose surfaces have other "
+            "arc lengths, found arc lengths"
         )

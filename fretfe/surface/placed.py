@@ -10,6 +10,7 @@ from fretfe.case.base import AXES
 from fretfe.errors import CaseError
 from fretfe.loads.friction import BEYOND
 from fretfe.loads.over_surface import OverSurface
+from fretfe.mesh.mesh import place_text
 from fretfe.surface.contact_surface import ContactSurface
 
 # Points may be as far from the nodes as the surfaces are from one another, over their extent.
@@ -64,10 +65,10 @@ def nearest(points: Array, surface: ContactSurface) -> Indices:
     farthest, apart = int(np.argmax(away)), float(gaps[np.isfinite(gaps)].max(initial=0.0))
     extent = float(np.linalg.norm(np.ptp(surface.points, axis=0)))
     if away[farthest] > max(apart, NEXT_TO * extent):
-        place = ", ".join(f"{each:.6g}" for each in surface.points[farthest])
         raise CaseError(
-            f"expected points over the whole surface, found none nearer to ({place}) than "
-            f"{away[farthest]:.3g}, where points are up to {apart:.3g} apart"
+            "expected points over the whole surface, found none nearer to "
+            f"{place_text(surface.points[farthest])} than {away[farthest]:.3g}, where points are "
+            f"up to {apart:.3g} apart"
         )
     return np.asarray(found)
 

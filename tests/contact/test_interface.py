@@ -424,7 +424,7 @@ def test_tangent_of_the_slip_conditions(seed: int, slip: float) -> None:
 
 
 # Approach per pressure, and shift per shear, of two contacts.
-LAYERS = {"one": np.array([1e-3, 2.5e-3]), "two": np.full((1, 2), 1e-6)}
+LAYERS = {"one": np.tile([1e-3, 2.5e-3], (3, 1)), "two": np.full((1, 2), 1e-6)}
 MOVED = [(0.0, 0.0), (-0.004, 0.0), (-0.004, 0.0025)]
 
 

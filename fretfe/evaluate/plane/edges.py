@@ -106,14 +106,11 @@ class PlaneEdges(EdgeData):
         """(T,) distances of an edge by fits from the last node under pressure, behind a layer."""
         if not self.steps.layer[0]:
             return 0.0
-        arc, traction = self.contact.surface.arc, self.contact.traction
-        ends = np.full(len(traction), np.nan)
+        traction, outward = self.contact.traction, -PLANE_FRONTS[number].inward
+        places, last = outward * self.contact.surface.arc, np.zeros(len(traction))
         for states in blocks(len(traction), traction[0].size):
-            pressed = traction[states, :, 0] > 0
-            last = arc if PLANE_FRONTS[number].inward < 0 else -arc
-            outermost = np.where(pressed, last, -np.inf).max(axis=1)
-            ends[states] = outermost if PLANE_FRONTS[number].inward < 0 else -outermost
-        return np.abs(np.nan_to_num(ends - self.fits[number].position, posinf=0.0, neginf=0.0))
+            last[states] = np.where(traction[states, :, 0] > 0, places, -np.inf).max(axis=1)
+        return np.abs(np.nan_to_num(last - outward * self.fits[number].position, neginf=0.0))
 
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements, and by states left out."""
