@@ -19,6 +19,7 @@ from fretfe.errors import FretfeError
 from fretfe.files import file_fault
 from fretfe.mesh.inp_cards import included_files
 from fretfe.results.field_files import FIELDS
+from fretfe.results.writer import ARRAYS
 
 # Names of other files in an XDMF file, in a collection of VTK files, and in a script of Gmsh.
 XDMF = re.compile(rb">\s*([^<>:]{1,4096}?):/")
@@ -33,7 +34,7 @@ def input_files(case: Case) -> dict[Path, str]:
     """
     found: dict[Path, str] = {}
     for key, named in named_files(case).items():
-        path = named / FIELDS if named.is_dir() else named
+        path = named / (ARRAYS if key[0] == "start" else FIELDS) if named.is_dir() else named
         for each in (path, *_within(path)):
             if not file_fault(each):
                 found.setdefault(each.resolve(), ".".join(map(str, key)))

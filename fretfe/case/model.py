@@ -30,6 +30,7 @@ from fretfe.case.tables import (
     Geometry,
     Model,
     Output,
+    Start,
     Support,
     Symmetry,
     TiedParts,
@@ -366,6 +367,9 @@ class Case(Table):
         default={},
         description="Loads, by names that you choose; each is one channel with one history.",
     )
+    start: Start | None = Field(
+        default=None, description="State of another run, from which this one goes on."
+    )
     cycle: Cycle = Field(
         default=Cycle(),
         description="The cycle to evaluate; without it the last period of the slowest wave.",
@@ -391,6 +395,9 @@ class Case(Table):
         if self.edges.ends and not self.geometry.solid:
             text = "expected geometry.solid with it, of which the parts around ends are made"
             problems.append(Problem(("edges", "ends"), text))
+        if self.start is not None and self.edges.tolerance is not None:
+            text = "expected no edges.tolerance with it: the mesh is that of the other run"
+            problems.append(Problem(("start",), text))
         if problems:
             raise Contradiction(problems)
         return self
@@ -447,7 +454,7 @@ class Case(Table):
 
     def as_tables(self) -> dict[str, Any]:
         """The keys that are set, in plain types, as a case file has them."""
-        return self.model_dump(mode="json", exclude_unset=True, exclude_none=True)
+        return self.model_dump(mode="json", by_alias=True, exclude_unset=True, exclude_none=True)
 
     def resolve(self, file: str) -> Path:
         """Path of a file that the case names."""

@@ -174,10 +174,11 @@ def named_files(case: Case) -> dict[Key, Path]:
             tables.append((("contacts", name, "friction"), contact["friction"]))
         tables.append((("contacts", name), contact))
         tables.append((("contacts", name, "layer"), contact.get("layer") or {}))
+    tables.append((("start",), data.get("start", {})))
     return {
         (*key, name): case.resolve(table[name]).absolute()
         for key, table in tables
-        for name in ("file", "facets", "csv", "gap")
+        for name in ("file", "facets", "csv", "gap", "from")
         if name in table
     }
 

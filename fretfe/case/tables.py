@@ -391,6 +391,20 @@ class Cycle(Table):
         return self
 
 
+class Start(Table):
+    """State of another run, from which this case goes on."""
+
+    results: Text = Field(
+        alias="from",
+        description="Results folder of a run of the same bodies on the same mesh, relative to the "
+        "folder of the case file. Loads until 'time' must be those of that run; friction, layers, "
+        "given gaps and all that follows may be others.",
+    )
+    time: Positive = Field(
+        description="Time of a step of both histories, until which the states are those of the run."
+    )
+
+
 def _named_or_listed(value: Any) -> str:
     return f"{TAG}times" if isinstance(value, list | tuple) else f"{TAG}name"
 

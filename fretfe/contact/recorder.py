@@ -6,7 +6,7 @@ States go to files while the history is solved; in memory are a few numbers for 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import astuple, dataclass, fields
 from typing import Any
 
@@ -48,6 +48,27 @@ class StateBlock:
     coordinates: Array
     forces: Array
     amplitudes: Array
+
+
+@dataclass(frozen=True)
+class Accepted:
+    """A state that was accepted by another history, and what it took.
+
+    Attributes:
+        state: the state.
+        dissipation: (N,) friction work on the way to it, of its step or part of a step.
+        step: number of the step in which it lies.
+        share: of the step at which it is reached.
+        counts: as of `COUNTS`.
+        violations: as of `VIOLATIONS`, and the worst.
+    """
+
+    state: ContactState
+    dissipation: Array
+    step: int
+    share: float
+    counts: NDArray[Any]
+    violations: Array
 
 
 @dataclass
@@ -178,15 +199,28 @@ class Recorder:
             other: a record of the same march.
             last: step after which its states may depend on more than loads.
         """
-        for state in range(1, self._alike(other, last) + 1):
-            number, row = self.count, other._by_state["rows"][state : state + 1]
-            dissipation = other._stream.read("dissipation", row)[0]
-            step, share = (other._by_state[name][state] for name in ("step", "share"))
-            self._keep(other.state(state), dissipation, int(step), float(share))
-            for name in ("counts", "violations"):
-                self._by_state[name][number] = other._by_state[name][state]
-            self._by_state["area_of_state"][number] = self._area_of(self.last)
+        self.begin_with(other._accepted(n) for n in range(1, self._alike(other, last) + 1))
+
+    def begin_with(self, known: Iterable[Accepted]) -> None:
+        """Record states that another history has, from the first step on."""
+        for each in known:
+            number = self.count
+            self._keep(each.state, each.dissipation, each.step, each.share)
+            self._by_state["counts"][number] = each.counts
+            self._by_state["violations"][number] = each.violations
+            self._by_state["area_of_state"][number] = self._area_of(each.state)
         self._find_ends(slice(0, self.count))
+
+    def _accepted(self, state: int) -> Accepted:
+        row, known = self._by_state["rows"][state : state + 1], self._by_state
+        return Accepted(
+            self.state(state),
+            self._stream.read("dissipation", row)[0],
+            int(known["step"][state]),
+            float(known["share"][state]),
+            known["counts"][state],
+            known["violations"][state],
+        )
 
     def _alike(self, other: Recorder, last: int) -> int:
         """The last state of another record that this history has too, in as many parts of steps."""
@@ -414,7 +448,8 @@ class Recorder:
             self._stream.read(name, known["rows"]) for name in ("forces", "coordinates")
         )
         complete = self.steps_done == len(history.times) - 1
-        named = [j for j, c in enumerate(interface.coordinates) if c.control != "free"]
+        is_free = np.array([c.control == "free" for c in interface.coordinates], dtype=bool)
+        named = np.flatnonzero(~is_free)
         violations = dict(zip((*VIOLATIONS, "worst"), known["violations"].T, strict=True))
         ends = self.ends
         return Solution(
@@ -437,6 +472,7 @@ class Recorder:
             repeats=tuple(_states_of(each, ends) for each in self.repeats),
             step=None if len(ends) == count else known["step"],
             choice=loads.choice if complete else None,
+            free=coordinates[:, is_free],
         )
 
     def _contact(self, place: Place, friction: Friction) -> ContactHistory:

@@ -118,6 +118,7 @@ class StepEnds:
             cycle=(int(self._step[cycle[0]]), int(self._step[cycle[1]])) if cycle else None,
             amplitudes=solution.amplitudes[ends],
             forces=solution.forces[ends],
+            free=solution.free[ends] if solution.free is not None else None,
             driver_values=solution.driver_values[ends],
             contacts=tuple(self._history(each) for each in self._lasting(solution)),
             iterations=np.add.reduceat(solution.iterations, begins),

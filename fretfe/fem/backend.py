@@ -48,6 +48,7 @@ FREE: dict[str, Any] = {
     "title": True,
     "units": True,
     "cycle": True,
+    "start": True,
     "output": True,
     "contacts": {"__all__": {"friction", "friction_from"}},
     "loads": {"__all__": {"history"}},

@@ -13,7 +13,8 @@ import numpy as np
 from dolfinx import fem
 from scipy import sparse
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
+from fretfe.bodies.beginning import Beginning
 from fretfe.bodies.continued import coupled_contacts
 from fretfe.bodies.definition import (
     BodyDefinition,
@@ -269,8 +270,22 @@ def _work(definition: ModelDefinition, mesh: Mesh, degree: int) -> list[float]:
     return [float(body_unknowns(body, degree)) ** power for body in bodies]
 
 
-def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
-    """Loads of every step of a history; total forces become those per unit thickness."""
+def step_loads(
+    case: Case,
+    history: History,
+    reduction: Reduction,
+    beginning: Beginning | None = None,
+    steps: Indices | None = None,
+) -> StepTable:
+    """Loads of every state of a history; total forces become those per unit thickness.
+
+    Args:
+        case: the case.
+        history: its loads, in T states.
+        reduction: the interface problem.
+        beginning: states of another run, which have its friction.
+        steps: (T,) number of the step in which each state lies; None if they are ends of steps.
+    """
     thickness = case.model.thickness
     values = dict(zip(history.channels, history.values.T, strict=True))
     count = len(history.times)
@@ -284,14 +299,21 @@ def step_loads(case: Case, history: History, reduction: Reduction) -> StepTable:
         else np.zeros(count)
         for c in reduction.interface.coordinates
     ]
+    numbers = np.arange(count) if steps is None else steps
+
+    def friction(pair: Pair) -> Friction:
+        given = read_coefficients(case, pair.name)
+        own = Friction.of(given, history.times, pair.coupling.surface)
+        return own if beginning is None else beginning.friction(pair.name, own, numbers)
+
+    def within(steps: Indices, shares: Array) -> StepTable:
+        return step_loads(case, history.divided(steps, shares), reduction, beginning, steps)
+
     return StepTable(
         amplitudes=np.array(amplitudes).reshape(-1, count).T,
         values=np.array(moved).reshape(-1, count).T,
-        friction=tuple(
-            Friction.of(read_coefficients(case, pair.name), history.times, pair.coupling.surface)
-            for pair in reduction.pairs
-        ),
-        within=lambda steps, shares: step_loads(case, history.divided(steps, shares), reduction),
+        friction=tuple(friction(pair) for pair in reduction.pairs),
+        within=within,
     )
 
 

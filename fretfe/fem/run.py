@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.bodies.beginning import read_beginning
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
 from fretfe.bodies.expected import require_pressed
 from fretfe.bodies.loads.files import checked_history
@@ -413,8 +414,11 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     reduction, march = prepared.model.reduction, prepared.march
     cycles = AddedCycles(history, most_added(case, history, prepared.model.dimension))
     require_possible(case, reduction.definition, cycles.longest)
-    steps = step_loads(case, cycles.longest, reduction)
+    beginning = read_beginning(case, history)
     places = [_place(prepared, pair) for pair in reduction.pairs]
+    if beginning is not None:
+        beginning.require_same(prepared.mesh.bodies, reduction.interface, places)
+    steps = step_loads(case, cycles.longest, reduction, beginning)
     channels = [load.label for load in reduction.definition.loads]
     identity = {"mesh": prepared.digest, "values at points": reduction.definition.digest}
     storage = options.storage({**_compat.versions(), **identity})
@@ -427,6 +431,9 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
     like = last.recorder if last is not None else None
     if last is not None and last.until_steady == until_steady and not recorder.steps_done:
         recorder.begin_like(last.recorder, min(last.written, cycles.written))
+    if beginning is not None and recorder.steps_done < beginning.last:
+        known = beginning.states(reduction.interface, places)
+        recorder.begin_with(each for each in known if each.step > recorder.steps_done)
     prepared.last = Marched(recorder, cycles.written, until_steady)
     try:
         for added, end in enumerate(cycles.ends):

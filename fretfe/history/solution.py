@@ -235,6 +235,7 @@ class Solution:
         step: (T,) number of the step in which each state lies, if states within steps are among
             them; None if each state is the end of a step.
         choice: the reason for the evaluated cycle, as of `History`.
+        free: (T, k) amplitudes of rigid motions that only contact prevents.
     """
 
     degree: int
@@ -257,6 +258,7 @@ class Solution:
     kept: Indices | None = None
     step: Indices | None = None
     choice: CycleChoice | None = None
+    free: Array | None = None
 
     @property
     def ends(self) -> Indices:

@@ -287,6 +287,8 @@ def _mission(case: Case, times: Array, values: Array) -> tuple[int, int] | None:
 def _named_times(case: Case) -> Iterator[tuple[Key, float]]:
     for name, contact in case.contacts.items():
         yield ("contacts", name, "friction_from"), contact.friction_from
+    if case.start is not None:
+        yield ("start", "time"), case.start.time
     if case.cycle.given is not None:
         yield from zip((("cycle", "start"), ("cycle", "end")), case.cycle.given, strict=True)
     if not isinstance(case.output.fields, str):

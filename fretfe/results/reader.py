@@ -322,7 +322,8 @@ def _read_arrays(
             for name in numbers["contacts"]
         )
         bodies = {name: _read_body(name, file[f"mesh/{name}"]) for name in numbers["mesh"]}
-    return _solution(case, history, numbers, contacts, states), bodies
+        free = file["free"][:] if "free" in file else None
+    return replace(_solution(case, history, numbers, contacts, states), free=free), bodies
 
 
 def _solution(

@@ -232,6 +232,8 @@ def _write_arrays(path: Path, result: Result, lists: Mapping[str, Array]) -> Non
             store(file, name, values)
         states = kept_states(result, solution)
         store(file, "states", states)
+        if solution.free is not None:
+            store(file, "free", solution.free)
         for contact in solution.contacts:
             _write_contact(file.create_group(f"contacts/{contact.name}"), contact, states)
         for name, body in result.bodies.items():

@@ -73,7 +73,12 @@ def checked_history(case: Case) -> History:
                 read_table(case.resolve(load.file), names)
         except CaseError as error:
             raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
-    return build_history(case)
+    history = build_history(case)
+    if case.start is not None:
+        from fretfe.bodies.beginning import read_beginning
+
+        read_beginning(case, history)
+    return history
 
 
 def _require_field(path: Path, quantity: Quantity, arrays: Names) -> None:
