@@ -63,6 +63,7 @@ class Beginning:
         return Friction(
             np.concatenate([known.fields, own.fields]),
             np.where(steps <= self.last, before, len(known.fields) + own.number),
+            own.by_pressure,
         )
 
     def states(self, interface: Interface, places: Sequence[Place]) -> Iterator[Accepted]:
@@ -77,6 +78,7 @@ class Beginning:
             if free is not None:
                 coordinates[~named] = free[number]
             work = whole.pop("dissipation")
+            friction = [self._patches(place.name)[0].friction.at(number) for place in places]
             yield Accepted(
                 ContactState(**whole, coordinates=coordinates, forces=forces),
                 work,
@@ -84,6 +86,7 @@ class Beginning:
                 1.0,
                 np.array([getattr(solution, name)[number] for name in COUNTS]),
                 np.array([solution.certificates[name][number] for name in (*VIOLATIONS, "worst")]),
+                np.concatenate(friction),
             )
 
     def _patches(self, contact: str) -> list[ContactHistory]:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Coefficients of friction of a case file that change with time or along the surface."""
+"""Coefficients of friction of a case file that are no numbers but tables."""
 
 from __future__ import annotations
 
@@ -52,17 +52,38 @@ class OverArc(Table):
         return self
 
 
+class OverPressure(Table):
+    """Coefficient over the contact pressure, at each node that in the state before the step."""
+
+    pressure: tuple[NotNegative, ...] = Field(
+        min_length=2, description="Contact pressures, increasing from 0."
+    )
+    values: Coefficients
+
+    @model_validator(mode="after")
+    def _increasing_from_nothing(self) -> Self:
+        require_increasing("pressure", self.pressure, self.values)
+        if self.pressure[0] > 0:
+            raise ValueError(f"expected pressures from 0 on, found {self.pressure[0]:g} first")
+        return self
+
+
 class InFile(Table):
-    """Coefficient from the column `friction` of a CSV file, over time or along the surface."""
+    """Coefficient from the column `friction` of a CSV file, over one of the above, or at places."""
 
     csv: Text = Field(
-        description="Text file with the column friction and with time, with arc, or with x, y "
+        description="Text file with the column friction and with time, pressure, arc, or x, y "
         "(and z), relative to the folder of the case file."
     )
     separator: Separator = None
 
 
-VARYING: dict[str, type[Table]] = {"times": OverTime, "arc": OverArc, "csv": InFile}
+VARYING: dict[str, type[Table]] = {
+    "times": OverTime,
+    "arc": OverArc,
+    "pressure": OverPressure,
+    "csv": InFile,
+}
 NUMBER = f"{TAG}number"
 # Tags of the tables: loads have tables with the same keys.
 TAGS = {f"{TAG}{key}:friction": table for key, table in VARYING.items()}
@@ -81,6 +102,7 @@ Friction = Annotated[
     Annotated[NotNegative, Tag(NUMBER)]
     | Annotated[OverTime, Tag(f"{TAG}times:friction")]
     | Annotated[OverArc, Tag(f"{TAG}arc:friction")]
+    | Annotated[OverPressure, Tag(f"{TAG}pressure:friction")]
     | Annotated[InFile, Tag(f"{TAG}csv:friction")],
     Discriminator(friction_kind),
 ]

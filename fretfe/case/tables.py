@@ -25,7 +25,7 @@ from fretfe.case.base import (
     Vector,
     file_problem,
 )
-from fretfe.case.friction import Friction, InFile, OverArc, OverTime
+from fretfe.case.friction import Friction, InFile, OverArc, OverPressure, OverTime
 from fretfe.case.layer import Layer
 
 Plane = Literal["strain", "stress"]
@@ -171,8 +171,8 @@ class Contact(Table):
         description="Physical group of the surface on body 2. The reported shear acts on body 2."
     )
     friction: Friction = Field(
-        description="Coulomb friction coefficient, >= 0: a number, or a table over time or along "
-        "the surface."
+        description="Coulomb friction coefficient, >= 0: a number, or a table over time, along "
+        "the surface or over pressure."
     )
     friction_from: NotNegative = Field(
         default=0.0,
@@ -203,7 +203,7 @@ class Contact(Table):
     def largest_friction(self) -> float:
         """Largest coefficient; NaN if that stands in a file."""
         match self.friction:
-            case OverTime() | OverArc():
+            case OverTime() | OverArc() | OverPressure():
                 return max(self.friction.values)
             case InFile():
                 return math.nan

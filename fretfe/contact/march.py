@@ -55,6 +55,7 @@ class StepResult:
         parts: number of parts that the step was cut into; 1 if it converged at first attempt.
         fallbacks: number of times that the slow method was needed.
         certificate: violations of the contact conditions.
+        friction: (N,) coefficient at each node in the step.
     """
 
     state: ContactState
@@ -63,6 +64,7 @@ class StepResult:
     parts: int
     fallbacks: int
     certificate: Certificate
+    friction: Array
 
     @property
     def summary(self) -> str:
@@ -168,6 +170,7 @@ class March:
             parts=1,
             fallbacks=fallbacks,
             certificate=certify(self.interface, loads, solved, reference),
+            friction=loads.friction,
         )
 
     def _newton_from(
@@ -295,6 +298,7 @@ class Division:
         self._march, self._steps = march, steps
         self._edges = {place.name: neighbouring_nodes(place) for place in places}
         self._turns = parts_by_turning(steps)
+        self._places = places
 
     def solve(
         self, number: int, state: ContactState, guess: ContactState | None = None
@@ -315,7 +319,7 @@ class Division:
             raise not_converged(number, len(self._steps) - 1, failure) from None
 
     def _solve(self, number: int, state: ContactState, guess: ContactState | None) -> list[Part]:
-        begin, end = self._steps[number - 1], self._steps[number]
+        begin, end = self._steps[number - 1], self._loads(number, 1.0, state)
         whole = self._march.advance(state, begin, end, guess=guess)
         turns = self._turns[number] if end.friction.any() else 1
         moved = self._moved(state, whole.state, end)
@@ -338,15 +342,15 @@ class Division:
             size: of the first one to be tried.
             largest: of all parts.
         """
-        begin, end = self._steps[number - 1], self._steps[number]
+        begin = self._steps[number - 1]
         done, count, guess = 0.0, 0, None
         while done < 1.0:
             # The first parts, next to no contact at all, may be smaller than there are parts.
             least = min(1.0, 0.25 + count / MOST_PARTS) * (1.0 - done) / (MOST_PARTS - count)
             share = _reached(done, min(max(size, least), largest))
-            loads = self._loads(number, share)
+            loads = self._loads(number, share, state)
             result = self._march.advance(state, begin, loads, guess=guess)
-            moved = self._moved(state, result.state, end)
+            moved = self._moved(state, result.state, loads)
             size = (share - done) / float(np.clip(moved, 1 / FASTEST, FASTEST))
             if moved > TOLERATED and share - done > 1.01 * least:
                 guess = result.state
@@ -354,10 +358,22 @@ class Division:
             yield Part(share, result)
             state, begin, done, count, guess = result.state, loads, share, count + 1, None
 
-    def _loads(self, number: int, share: float) -> StepLoads:
-        if share == 1.0:
-            return self._steps[number]
-        return self._steps.divided(np.array([number]), np.array([share]))[0]
+    def _loads(self, number: int, share: float, before: ContactState) -> StepLoads:
+        """Loads at a share of a step, with the friction that acts after a state."""
+        steps = self._steps
+        loads = (
+            steps[number]
+            if share == 1.0
+            else steps.divided(np.array([number]), np.array([share]))[0]
+        )
+        return steps.after(loads, self._pressure(before)) if steps.by_pressure else loads
+
+    def _pressure(self, state: ContactState) -> Array:
+        """(N,) mean pressure around the nodes."""
+        interface = self._march.interface
+        nodal = state.traction[:, 0] / interface.roots
+        means = [place.averaging @ nodal[interface.contacts[place.name]] for place in self._places]
+        return np.maximum(np.concatenate(means), 0.0)
 
     def _moved(self, before: ContactState, after: ContactState, loads: StepLoads) -> float:
         """Movement of edges over `LARGEST_MOVE`, of the contact with friction where it is largest.

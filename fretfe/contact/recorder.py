@@ -7,7 +7,7 @@ States go to files while the history is solved; in memory are a few numbers for 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import astuple, dataclass, fields
+from dataclasses import astuple, dataclass, fields, replace
 from typing import Any
 
 import numpy as np
@@ -61,6 +61,7 @@ class Accepted:
         share: of the step at which it is reached.
         counts: as of `COUNTS`.
         violations: as of `VIOLATIONS`, and the worst.
+        friction: (N,) coefficient that acted on the way.
     """
 
     state: ContactState
@@ -69,6 +70,7 @@ class Accepted:
     share: float
     counts: NDArray[Any]
     violations: Array
+    friction: Array
 
 
 @dataclass
@@ -155,7 +157,8 @@ class Recorder:
         known = storage.continued(self._identity)
         self._stream = StateStream(storage.directory, known.kinds if known else None)
         if known is None:
-            self._keep(unloaded(interface), np.zeros(interface.size), step=0, share=1.0)
+            nothing = np.zeros(interface.size)
+            self._keep(unloaded(interface), nothing, 0, 1.0, nothing)
         else:
             self._recall(known.arrays)
 
@@ -205,7 +208,7 @@ class Recorder:
         """Record states that another history has, from the first step on."""
         for each in known:
             number = self.count
-            self._keep(each.state, each.dissipation, each.step, each.share)
+            self._keep(each.state, each.dissipation, each.step, each.share, each.friction)
             self._by_state["counts"][number] = each.counts
             self._by_state["violations"][number] = each.violations
             self._by_state["area_of_state"][number] = self._area_of(each.state)
@@ -220,6 +223,7 @@ class Recorder:
             float(known["share"][state]),
             known["counts"][state],
             known["violations"][state],
+            self._friction_at(state),
         )
 
     def _alike(self, other: Recorder, last: int) -> int:
@@ -244,7 +248,7 @@ class Recorder:
         for part_of_step in parts:
             result, share = part_of_step.result, part_of_step.share
             number = self.count
-            self._keep(result.state, result.dissipation, step, share)
+            self._keep(result.state, result.dissipation, step, share, result.friction)
             certificate, violations = result.certificate, self._by_state["violations"][number]
             self._by_state["counts"][number] = [getattr(result, name) for name in COUNTS]
             violations[:-1] = [getattr(certificate, name) for name in VIOLATIONS]
@@ -271,9 +275,12 @@ class Recorder:
                 {"increments": increments.traction, "increment_motions": increments.coordinates}
             )
 
-    def _keep(self, state: ContactState, dissipation: Array, step: int, share: float) -> None:
+    def _keep(
+        self, state: ContactState, dissipation: Array, step: int, share: float, friction: Array
+    ) -> None:
         arrays = {field.name: getattr(state, field.name) for field in fields(ContactState)}
-        self._stream.append({**arrays, "dissipation": dissipation})
+        own = {"friction": friction} if self._steps.by_pressure else {}
+        self._stream.append({**arrays, **own, "dissipation": dissipation})
         self._extent.add(self._interface, state)
         self._make_room(self.count + 1)
         self._by_state["rows"][self.count] = self._solved
@@ -340,9 +347,24 @@ class Recorder:
     def loads(self) -> StepTable:
         """Loads of the states recorded so far."""
         steps, shares = (self._by_state[name][: self.count] for name in ("step", "share"))
+        if self._steps.by_pressure:
+            return replace(self._steps.divided(steps, shares), friction=self._friction())
         if self.count == len(self._steps) and np.all(shares == 1.0):
             return self._steps
         return self._steps.divided(steps, shares)
+
+    def _friction(self) -> tuple[Friction, ...]:
+        """Coefficients that acted in the states recorded so far, of each contact."""
+        found = self._stream.read("friction", np.arange(self._solved))
+        rows = self._by_state["rows"][: self.count]
+        return tuple(Friction(found[:, nodes], rows) for nodes in self._interface.contacts.values())
+
+    def _friction_at(self, state: int) -> Array:
+        """(N,) coefficients that acted in the step to a state."""
+        if self._steps.by_pressure:
+            row = self._by_state["rows"][state : state + 1]
+            return np.asarray(self._stream.read("friction", row)[0])
+        return self._steps[int(self._by_state["step"][state])].friction
 
     def nodes_of(self, contact: str) -> slice:
         """Range of the nodes of a contact among all nodes."""

@@ -98,10 +98,29 @@ class StepTable(Sequence[StepLoads]):
         return len(self.values)
 
     @property
+    def by_pressure(self) -> bool:
+        """True if friction depends on the pressure before the step."""
+        return any(each.by_pressure is not None for each in self.friction)
+
+    def after(self, loads: StepLoads, pressure: Array) -> StepLoads:
+        """Loads with the coefficients that act after a pressure (N,) at the nodes."""
+        if not self.by_pressure:
+            return loads
+        ends = np.cumsum([each.fields.shape[1] for each in self.friction])
+        own = zip(self.friction, np.split(pressure, ends[:-1]), strict=True)
+        shares = [each.share(here) for each, here in own]
+        return replace(loads, friction=loads.friction * np.concatenate(shares))
+
+    @property
     def digest(self) -> str:
         """Text that is equal for the same loads."""
         found = hashlib.sha256(repr((self.amplitudes.shape, self.values.shape)).encode())
-        friction = (array for each in self.friction for array in (each.fields, each.number))
+        friction = (
+            array
+            for each in self.friction
+            for array in (each.fields, each.number, each.by_pressure)
+            if array is not None
+        )
         for each in (self.amplitudes, self.values, *friction):
             found.update(np.ascontiguousarray(each).tobytes())
         return found.hexdigest()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Coefficients of friction that change with time or along the surface, as a case has them."""
+"""Coefficients of friction that change, as a case has them."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, complaint
-from fretfe.case.friction import InFile, OverArc, OverTime
+from fretfe.case.friction import InFile, OverArc, OverPressure, OverTime
 from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
@@ -18,19 +18,22 @@ from fretfe.loads.over_surface import OVER, places_in, require_whole
 
 # Column of the coefficients in a file.
 COEFFICIENT = "friction"
+# Columns over which they may be that are no places: attribute of `Coefficients`, and quantity.
+UNPLACED = {"time": ("times", "time"), "pressure": ("pressure", "stress")}
 # A surface or a history may reach this fraction of a table beyond its ends.
 BEYOND = 1e-6
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Those of a contact of a case: one, or a table over one of times, arc lengths and places.
+    """Those of a contact of a case: one, or over one of times, pressures, arc lengths and places.
 
     Attributes:
         key: file and key that have them, for messages.
         begins: time after which friction acts.
         values: (n,) coefficients.
         times: (n,) times at which they hold, with straight lines between them.
+        pressure: (n,) contact pressures, from 0 on, likewise.
         arc: (n,) arc lengths along the surface, likewise.
         points: (n, 2 or 3) places: a node has the coefficient of the nearest one.
     """
@@ -39,17 +42,21 @@ class Coefficients:
     begins: float
     values: Array
     times: Array | None = None
+    pressure: Array | None = None
     arc: Array | None = None
     points: Array | None = None
 
     @property
     def even(self) -> bool:
         """True if they are the same all over the surface."""
-        return self.arc is None and self.points is None
+        return self.arc is None and self.points is None and self.pressure is None
 
     def over(self, times: Array) -> Array:
-        """(T,) coefficients in the steps that end at some times (T,), if they are even."""
-        found = self.values[0]
+        """(T,) coefficients in the steps that end at some times (T,), if they are even.
+
+        Of those over pressure the largest.
+        """
+        found = self.values.max() if self.pressure is not None else self.values[0]
         if self.times is not None:
             found = np.interp(times, self.times, self.values)
         return np.where(times > self.begins, found, 0.0)
@@ -84,6 +91,8 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
             found = {"values": np.array(table.values), "times": np.array(table.times)}
         case OverArc() as table:
             found = {"values": np.array(table.values), "arc": np.array(table.arc)}
+        case OverPressure() as table:
+            found = {"values": np.array(table.values), "pressure": np.array(table.pressure)}
         case InFile() as table:
             try:
                 found = _in_file(case, table)
@@ -100,9 +109,10 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
 def _in_file(case: Case, given: InFile) -> dict[str, Array]:
     """Coefficients, and what they are over."""
     path = case.resolve(given.csv)
-    table = read_table(path, (COEFFICIENT,), ("time", *OVER), given.separator)
-    found = places_in(table, ("time",))
-    table.require_units({each: case.units.length for each in found} | {"time": case.units.time})
+    table = read_table(path, (COEFFICIENT,), (*UNPLACED, *OVER), given.separator)
+    found = places_in(table, tuple(UNPLACED))
+    units = {name: getattr(case.units, quantity) for name, (_, quantity) in UNPLACED.items()}
+    table.require_units({each: case.units.length for each in found} | units)
     values = table.columns[COEFFICIENT]
     if (wrong := np.flatnonzero(values < 0)).size:
         table.complain(int(wrong[0]), COEFFICIENT, "a coefficient >= 0")
@@ -110,4 +120,7 @@ def _in_file(case: Case, given: InFile) -> dict[str, Array]:
     if len(found) > 1:
         return {"values": values, "points": np.column_stack(places)}
     table.require_increasing(found[0], "value")
-    return {"values": values, "times" if found == ("time",) else "arc": places[0]}
+    if found == ("pressure",) and places[0][0] != 0:
+        table.complain(0, "pressure", "pressures from 0 on")
+    name, _ = UNPLACED.get(found[0], (found[0], ""))
+    return {"values": values, name: places[0]}

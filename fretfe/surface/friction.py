@@ -25,16 +25,24 @@ class Friction:
     Attributes:
         fields: (U, N) coefficients at the nodes, for U different states of the surfaces.
         number: (T,) which of them each state has.
+        by_pressure: (2, n) pressures, and coefficients over the largest of these, by which the
+            coefficient of a step is that of `fields` times the value at the pressure before it;
+            None where `fields` are the coefficients.
     """
 
     fields: Array
     number: Indices
+    by_pressure: Array | None = None
 
     @classmethod
     def of(cls, given: Coefficients, times: Array, surface: ContactSurface) -> Friction:
         """That of a contact of a case, for states at times (T,), which covers the surface."""
-        if given.even:
-            return cls.uniform(given.over(times), len(surface.weights))
+        if given.even or given.pressure is not None:
+            found = cls.uniform(given.over(times), len(surface.weights))
+            if given.pressure is None:
+                return found
+            share = given.values / max(given.values.max(), np.finfo(float).tiny)
+            return replace(found, by_pressure=np.array([given.pressure, share]))
         own = _along(given, surface)
         return cls(np.array([np.zeros_like(own), own]), (times > given.begins).astype(np.int64))
 
@@ -43,6 +51,12 @@ class Friction:
         """The same coefficient (T,) at all of some nodes."""
         found, number = np.unique(coefficients, return_inverse=True)
         return cls(np.broadcast_to(found[:, None], (len(found), nodes)), number)
+
+    def share(self, pressure: Array) -> Array:
+        """(N,) part of the coefficients that acts in a step after a pressure (N,) at the nodes."""
+        if self.by_pressure is None:
+            return np.ones_like(pressure)
+        return np.interp(pressure, *self.by_pressure)
 
     def at(self, states: Any, nodes: Any = slice(None)) -> Array:
         """(S, N) coefficients in states (S,) at nodes (N,) or at all; (N,) in one state."""
@@ -68,6 +82,8 @@ class Friction:
         """(T,) states in which the other one is different at some node."""
         pairs, place = np.unique([self.number, other.number], axis=1, return_inverse=True)
         differ = (self.fields[pairs[0]] != other.fields[pairs[1]]).any(axis=1)
+        if not np.array_equal(_known(self.by_pressure), _known(other.by_pressure)):
+            differ[:] = True
         return np.asarray(differ[place.ravel()])
 
     @property
@@ -81,13 +97,17 @@ class Friction:
         return float(self.fields[self.number].max())
 
 
+def _known(table: Array | None) -> Array:
+    return np.empty(0) if table is None else table
+
+
 def require_covered(given: Coefficients, surface: ContactSurface) -> None:
     """Check that coefficients are given all over a surface.
 
     Raises:
         CaseError: they are not, or those along an arc are for a surface of solids.
     """
-    if given.even:
+    if given.even or given.pressure is not None:
         return
     try:
         _along(given, surface)

@@ -14,7 +14,7 @@ from reference.half_plane_collocation import compliance, partial_slip
 import fretfe
 from fretfe.case import parse_case
 from fretfe.caution import Kind
-from fretfe.history.solution import OPEN, SLIP
+from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results
@@ -100,3 +100,31 @@ def test_a_table_of_one_value_is_that_number_bit_for_bit() -> None:
         for one, same in pair:
             assert one.k_t_range == same.k_t_range
             assert one.slip_zones == same.slip_zones
+
+
+FALLING = {"pressure": [0.0, 800.0], "values": [0.5, 0.3]}
+
+
+def test_sliding_takes_friction_over_pressure() -> None:
+    slide = {"ramp": 0.05, "until": 2.0, "steps": 4}
+    history = solved(FALLING, history=[slide], control="displacement").contact_history("main")
+    assert (history.status[-1] != OPEN).any() and not (history.status[-1] == STICK).any()
+    weights, pressure = history.surface.weights, np.maximum(history.mean_traction[-2][:, 0], 0.0)
+    friction = np.interp(pressure, FALLING["pressure"], FALLING["values"])
+    assert np.array_equal(history.friction.at(-1), friction)
+    shear = float(weights @ history.traction[-1][:, 1])
+    assert shear == pytest.approx(weights @ (friction * history.traction[-1][:, 0]), rel=1e-9)
+    # Of Hertz: the integral of p is P, that of p^2 is 4/3 a p0^2.
+    half_width = np.sqrt(4 * 600 * 50 / (np.pi * 115384.6))
+    largest = 2 * 600 / (np.pi * half_width)
+    assert largest < 800
+    exact = 0.5 * 600 - 0.2 / 800 * 4 / 3 * half_width * largest**2
+    assert abs(shear) == pytest.approx(exact, rel=0.01)
+
+
+def test_the_same_friction_at_all_pressures_is_the_number() -> None:
+    history = [{"ramp": 120.0, "until": 2.0, "steps": 2}]
+    table = {"pressure": [0.0, 10.0], "values": [0.5, 0.5]}
+    one, other = (solved(each, history=history).contact_history("main") for each in (0.5, table))
+    for name in ("traction", "slip", "dissipation"):
+        assert np.array_equal(getattr(one, name)[:], getattr(other, name)[:])
