@@ -10,14 +10,16 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fretfe._typing import Indices
 from fretfe.case import Case, complaint
 from fretfe.contact.interface import Interface, Place
 from fretfe.contact.recorder import COUNTS, VIOLATIONS, Accepted
-from fretfe.contact.state import SLIP, ContactState, lengths, unit
+from fretfe.contact.state import SLIP, ContactState
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.history.state_array import blocks
 from fretfe.loads import History
 from fretfe.loads.history import SAME_TIME, SAME_VALUE
 from fretfe.mesh.mesh import BodyMesh
@@ -70,42 +72,53 @@ class Beginning:
         """The states behind the unloaded one, in the weighted quantities of an interface."""
         named = np.array([each.control != "free" for each in interface.coordinates], dtype=bool)
         solution, free = self.solution, self.solution.free
-        for number in range(1, self.last + 1):
-            arrays = [self._of_contact(interface, place.name, number) for place in places]
-            whole = {key: np.concatenate([each[key] for each in arrays]) for key in arrays[0]}
-            coordinates, forces = np.zeros((2, len(named)))
-            coordinates[named], forces[named] = solution.amplitudes[number], solution.forces[number]
-            if free is not None:
-                coordinates[~named] = free[number]
-            work = whole.pop("dissipation")
-            friction = [self._patches(place.name)[0].friction.at(number) for place in places]
-            yield Accepted(
-                ContactState(**whole, coordinates=coordinates, forces=forces),
-                work,
-                number,
-                1.0,
-                np.array([getattr(solution, name)[number] for name in COUNTS]),
-                np.array([solution.certificates[name][number] for name in (*VIOLATIONS, "worst")]),
-                np.concatenate(friction),
+        violations = [solution.certificates[name] for name in (*VIOLATIONS, "worst")]
+        for block in blocks(self.last, interface.size * interface.components):
+            numbers = np.arange(block.start, block.stop) + 1
+            arrays = [self._of_contact(interface, place.name, numbers) for place in places]
+            whole = {key: np.concatenate([each[key] for each in arrays], 1) for key in arrays[0]}
+            work, friction = whole.pop("dissipation"), whole.pop("friction")
+            coordinates, forces = np.zeros((2, len(numbers), len(named)))
+            coordinates[:, named], forces[:, named] = (
+                each[numbers] for each in (solution.amplitudes, solution.forces)
             )
+            if free is not None:
+                coordinates[:, ~named] = free[numbers]
+            whole |= {"coordinates": coordinates, "forces": forces}
+            for place, number in enumerate(numbers.tolist()):
+                yield Accepted(
+                    ContactState(**{name: each[place] for name, each in whole.items()}),
+                    work[place],
+                    number,
+                    1.0,
+                    np.array([getattr(solution, name)[number] for name in COUNTS]),
+                    np.array([each[number] for each in violations]),
+                    friction[place],
+                )
 
     def _patches(self, contact: str) -> list[ContactHistory]:
         """The patches of a pair, each of which carries nothing outside its own part."""
         return [each for each in self.solution.contacts if each.pair == contact]
 
-    def _of_contact(self, interface: Interface, contact: str, number: int) -> dict[str, Any]:
-        """Arrays of a state at the nodes of a contact, by the names of `ContactState`."""
+    def _of_contact(
+        self, interface: Interface, contact: str, states: Indices
+    ) -> dict[str, NDArray[Any]]:
+        """(n, N, ...) arrays of states at the nodes of a contact, as of `Accepted`."""
         patches, roots = self._patches(contact), interface.roots[interface.contacts[contact]]
-        status = np.max([each.status[number] for each in patches], axis=0).astype(np.int8)
-        traction = np.sum([each.traction[number] for each in patches], axis=0) * roots[:, None]
-        gap, slip = np.asarray(patches[0].gap[number]), np.asarray(patches[0].slip[number])
-        shear = np.where((status == SLIP)[:, None], traction[:, 1:], 0.0)
+        status = np.max([each.status[states] for each in patches], axis=0).astype(np.int8)
+        traction = np.sum([each.traction[states] for each in patches], axis=0) * roots[:, None]
+        relative = np.concatenate(
+            [np.asarray(patches[0].gap[states])[..., None], -patches[0].slip[states]], axis=-1
+        )
+        shear = np.where((status == SLIP)[..., None], traction[..., 1:], 0.0)
+        size = np.linalg.norm(shear, axis=-1, keepdims=True)
         return {
             "status": status,
-            "direction": unit(shear, lengths(shear)),
+            "direction": shear / np.where(size > 0, size, 1.0),
             "traction": traction,
-            "relative": np.column_stack([gap, -slip]) * roots[:, None],
-            "dissipation": np.sum([each.dissipation[number] for each in patches], axis=0),
+            "relative": relative * roots[:, None],
+            "dissipation": np.sum([each.dissipation[states] for each in patches], axis=0),
+            "friction": patches[0].friction.at(states),
         }
 
     def require_same(
