@@ -1,8 +1,7 @@
 #!/usr/bin/env bash
 # SPDX-License-Identifier: LGPL-3.0-or-later
 # Install fretfe on a bare Debian, word for word as docs/install.md says, and run its tests there.
-# Usage: test.sh SUITE [fresh|prepare]      SUITE: trixie, sid, ...; fresh: not with the system of last
-# time; prepare: make a fresh system with the packages, and no more
+# Usage: test.sh SUITE [fresh]      SUITE: trixie, sid, ...; fresh: not with the system of last time
 # Exit code 3: Debian's packages cannot be installed, and nothing of fretfe was tried.
 set -euo pipefail
 . "$(dirname "${BASH_SOURCE[0]}")/outside.sh"
@@ -30,5 +29,4 @@ lock "$suite"
 if [ -n "$system" ] || ! [ "$(cat "$root/etc/fretfe-packages" 2>/dev/null)" = "$packages" ]; then
     rm -rf --one-file-system "$root"
 fi
-[ "$system" = prepare ] && install=
 in_namespaces tools/debian/in_namespace.sh "$cache" "$suite" "$packages" "$install"
