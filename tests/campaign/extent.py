@@ -1,17 +1,19 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""How much of a campaign runs: a short form in CI, all of it with FRETFE_CAMPAIGN=long."""
+"""How much of a campaign, or of a dear test, runs: FRETFE_CAMPAIGN=long is more than CI."""
 
 from __future__ import annotations
 
 import datetime as dt
 import os
+from typing import TypeVar
 
+T = TypeVar("T")
 LONG = os.environ.get("FRETFE_CAMPAIGN") == "long"
 _YEAR, _WEEK, _ = dt.date.today().isocalendar()
 # Of the week, or the one that is given: what fails can be drawn again.
 SEED = int(os.environ.get("FRETFE_CAMPAIGN_SEED", 100 * _YEAR + _WEEK))
 
 
-def by_extent(short: int, long: int) -> int:
-    """Return the number that belongs to the form that runs."""
+def by_extent(short: T, long: T) -> T:
+    """Return what belongs to the form that runs."""
     return long if LONG else short
