@@ -37,23 +37,23 @@ $install"
 pytest="$home/fretfe/.venv-debian/bin/python -m pytest"
 # What Python, NumPy and SciPy alone do is the same as where `make test` ran it. Here stands what may
 # differ, once: pydantic and typer; h5py, pandas and xarray; Matplotlib and PyVista, which draws on a
-# display; what this compiler makes of the C++ code; DOLFINx. On two ranks: all that fretfe calls of
-# DOLFINx, UFL and PETSc, in planes and in space.
+# display; what this compiler makes of the C++ code; all that fretfe calls of DOLFINx, UFL and PETSc,
+# in planes and in space. On two ranks: what these share, and whole runs.
 chosen=(_core case surface/test_mortar_in_space.py cli/test_app.py cli/test_app_completion.py
-    cli/test_exchange_edges.py report/test_page.py::test_page_is_one_file_that_loads_nothing
-    report/test_figures.py report/test_pictures.py::test_a_display_is_made_where_there_is_none
-    report/test_pictures_solids.py report/test_pictures_stress.py exchange/test_export.py
-    results/test_reader_messages.py results/test_writer_solids.py evaluate/test_surface_stress.py
-    test_environment.py fem/test_compat.py fem/test_fields.py fem/test_elasticity_form_cache.py
-    system/test_reference_numbers.py)
+    report/test_page.py::test_page_is_one_file_that_loads_nothing
+    report/test_figures.py::test_drawings_have_ids_and_glyphs_of_their_own
+    report/test_pictures.py::test_a_display_is_made_where_there_is_none
+    report/test_pictures_stress.py exchange/test_export.py results/test_writer_solids.py
+    test_environment.py system/test_reference_numbers.py
+    fem/test_{compat,elasticity,elasticity_form_cache,elasticity_spread_loads}.py
+    fem/test_{restraints,stress_output}.py
+    fem/test_interaction_integral_fronts.py::test_fields_of_crystals_bend_with_the_front
+    fem/test_elasticity_eigenstrain.py::test_a_held_body_has_the_stress_and_its_contact_feels_nothing)
 step "tests on one rank"
 as_tester "$test_limit" "cd fretfe/tests; $pytest ${chosen[*]} \
     -m 'not slow' --numprocesses=2 --dist=loadfile"
-of_fem=({bordered,compat,elasticity,elasticity_spread_loads,fields,parallel,parallel_groups}.py
-    {restraints,stress_output}.py
-    interaction_integral_fronts.py::test_fields_of_crystals_bend_with_the_front
-    elasticity_eigenstrain.py::test_a_held_body_has_the_stress_and_its_contact_feels_nothing)
 step "tests on two ranks"
-as_tester "$test_limit" "cd fretfe/tests; mpirun -n 2 $pytest ${of_fem[*]/#/fem/test_} \
-    system/test_verify.py -m 'mpi and not slow' -p no:cacheprovider --timeout-method=thread"
+as_tester "$test_limit" "cd fretfe/tests; mpirun -n 2 $pytest \
+    fem/test_{bordered,compat,fields,parallel,parallel_groups}.py system/test_verify.py \
+    -m 'mpi and not slow' -p no:cacheprovider --timeout-method=thread"
 step "done"
