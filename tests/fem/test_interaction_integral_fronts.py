@@ -90,9 +90,10 @@ def errors(found: Array) -> Array:
     return np.asarray(np.abs(found - bonded_circle.factors(ANGLES)) / LARGEST)
 
 
-@pytest.mark.mpi
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"], ids=["tetrahedra", "hexahedra"])
-@pytest.mark.parametrize(("reach", "half_length"), [(0.3, 0.4), (0.4, 0.6)])
+@pytest.mark.parametrize(
+    ("reach", "half_length"), [pytest.param(0.3, 0.4, marks=pytest.mark.mpi), (0.4, 0.6)]
+)
 def test_exact_fields_of_a_circle(cell: str, reach: float, half_length: float) -> None:
     found = errors(integrals(Tube(reach, half_length), cell))
     # Interpolation of a singular field with ten elements along the radius.
@@ -100,7 +101,6 @@ def test_exact_fields_of_a_circle(cell: str, reach: float, half_length: float) -
     assert found.mean(axis=0).max() < 0.008
 
 
-@pytest.mark.mpi
 def test_curvature_counts_where_the_front_leaves_the_tube() -> None:
     """A little of it makes no difference: the weight along the front has no second moment."""
     tube = Tube(0.2, 0.8)
