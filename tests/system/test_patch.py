@@ -21,9 +21,11 @@ ANGLE = 37.0
 WIDTH, PRESSURE = 2.0, 3.0
 EXACT = 1e-10
 
-ELEMENTS = pytest.mark.parametrize(
-    ("cell", "degree"),
-    [("triangle", 1), ("triangle", 2), ("quadrilateral", 1), ("quadrilateral", 2)],
+KINDS = [("triangle", 1), ("triangle", 2), ("quadrilateral", 1), ("quadrilateral", 2)]
+ELEMENTS = pytest.mark.parametrize(("cell", "degree"), KINDS)
+# Those of one kind on two ranks too.
+SHARED_ELEMENTS = pytest.mark.parametrize(
+    ("cell", "degree"), [pytest.param("triangle", 2, marks=pytest.mark.mpi), *KINDS[::2], KINDS[3]]
 )
 SIDES = pytest.mark.parametrize("side", ["surface1", "surface2"])
 
@@ -146,10 +148,9 @@ def test_constant_pressure(
     assert_uniform(solved, PRESSURE, 0.0, stress)
 
 
-@pytest.mark.mpi
 @SIDES
 @pytest.mark.parametrize("cell", ["triangle", "quadrilateral"])
-@pytest.mark.parametrize("degree", [1, 2])
+@pytest.mark.parametrize("degree", [1, pytest.param(2, marks=pytest.mark.mpi)])
 def test_constant_pressure_on_meshes_of_order_2(degree: int, cell: str, side: str) -> None:
     """The same facets with a middle node."""
     ratios = {"upper": 0.3 / 0.7, "lower": 0.2 / 0.8}
@@ -164,9 +165,8 @@ def test_constant_pressure_on_meshes_of_order_2(degree: int, cell: str, side: st
     assert_uniform(solved, PRESSURE, 0.0, stress)
 
 
-@pytest.mark.mpi
 @SIDES
-@ELEMENTS
+@SHARED_ELEMENTS
 @pytest.mark.parametrize("angle", [ANGLE, -ANGLE])
 @pytest.mark.parametrize("load", ["platen", "traction"])
 def test_constant_pressure_and_shear_inside_the_cone(
@@ -241,8 +241,7 @@ def test_rigid_motion_of_both_bodies_gives_no_traction(
         assert_stress(found["upper"], np.zeros((2, 2)), EXACT * 200.0)
 
 
-@pytest.mark.mpi
-@ELEMENTS
+@SHARED_ELEMENTS
 def test_rigid_motion_keeps_the_tractions_of_pressed_bodies(cell: str, degree: int) -> None:
     """Press and shear by displacements (not uniform), then move everything together."""
     hold = {"hold": True, "until": 1.0}
