@@ -16,7 +16,7 @@ from campaign.judge_first_jobs import faults  # noqa: E402
 from hypothesis import Phase, given, note, seed, settings  # noqa: E402
 
 PHASES = (Phase.generate, Phase.shrink)
-EXAMPLES = 400 if LONG else 16
+EXAMPLES = 400 if LONG else 10
 
 
 @pytest.mark.timeout(3600 if LONG else 300)
