@@ -34,10 +34,10 @@ LONGEST = [
     TESTS / f"{name}.py"
     for name in (
         *("system/test_demos", "system/test_pages", "system/test_sphere", "fem/test_refine_solids"),
-        *("system/test_speed", "system/test_campaign", "system/test_plane_in_space"),
-        *("system/test_ellipsoid_and_cylinder", "system/test_verify"),
-        *("system/test_campaign_solids", "system/test_faults", "system/test_front_ends"),
-        *("fem/test_interaction_integral_fronts", "project/test_packages"),
+        *("project/test_packages", "system/test_verify", "system/test_ellipsoid_and_cylinder"),
+        *("system/test_plane_in_space", "system/test_front_ends", "system/test_unlike_contacts"),
+        *("fem/test_interaction_integral_fronts", "system/test_campaign", "system/test_faults"),
+        *("system/test_speed", "system/test_campaign_solids", "system/test_campaign_first_jobs"),
         *("cli/test_laboratory_verify", "campaign/test_first_jobs"),
     )
 ]
