@@ -62,7 +62,12 @@ def sphere(down: list[dict[str, Any]]) -> tuple[Station, ...]:
     loads["shear"]["history"] += [each | {"ramp": 0.0} for each in down]
     result = fretfe.run(
         parse_case(
-            tables | {"cycle": {"start": 2.0, "end": 4.0}, "output": {"fields": "none"}},
+            tables
+            | {
+                "cycle": {"start": 2.0, "end": 4.0},
+                "edges": {"stations": 12},
+                "output": {"fields": "none"},
+            },
         )
     )
     return result.contacts[0].stations

@@ -12,7 +12,7 @@ from faults.judge import BAD, judge_all
 from faults.originals import write_originals
 
 # One of so many, another one each week, and the whole files.
-PART = by_extent(41, 11)
+PART = by_extent(61, 11)
 
 
 @pytest.mark.slow
