@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Random pairs of unlike bodies: error bars hold beside half-planes several times as fine."""
+"""Random pairs of unlike bodies: error bars hold beside half-planes three times as fine."""
 
 from __future__ import annotations
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Random pairs of unlike bodies: half-planes with the coupling beside ones several times as fine."""
+"""Random pairs of unlike bodies: half-planes with the coupling beside ones three times as fine."""
 
 from __future__ import annotations
 

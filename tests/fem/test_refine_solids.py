@@ -95,7 +95,7 @@ def test_the_plane_mesh_that_is_extruded_is_finer_at_the_edge_on_both_sides() ->
 
 @pytest.fixture(scope="module")
 def step(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A quarter of the sphere of the template as a CAD file: blocks, of which one has a round face."""
+    """A quarter of the sphere of the template as a CAD file: two blocks, one with a round face."""
     path = tmp_path_factory.mktemp("cad") / "ball.step"
     with gmsh_model(path):
         occ = gmsh.model.occ
