@@ -63,9 +63,17 @@ class OnPlanes:
     @property
     def shear_range(self) -> Array:
         """(m, P) largest distance between two places of the shear strain."""
+        return 2 * self._chord(self.strain)
+
+    @property
+    def shear_stress_range(self) -> Array:
+        """(m, P) largest distance between two places of the shear stress."""
+        return self._chord(self.stress)
+
+    def _chord(self, tensor: Array) -> Array:
         along = _tangents(self.normals)
-        x, y = (_component(self.strain, self.normals, tangent) for tangent in along)
-        return 2 * _longest_chord(x, y)
+        x, y = (_component(tensor, self.normals, tangent) for tangent in along)
+        return _longest_chord(x, y)
 
 
 @dataclass(frozen=True)
@@ -122,13 +130,27 @@ def fatemi_socie(k: float, yield_stress: float) -> Parameter:
     return parameter
 
 
+def findley(k: float) -> Parameter:
+    """Return tau_a + k sigma_n,max, of planes [stress].
+
+    Findley (J. Eng. Ind. 81, 1959), on the plane of its largest value, to be compared with a limit
+    from tests: fully reversed torsion that endures tau gives sqrt(1 + k^2) tau, and tension
+    (k + sqrt(1 + k^2)) sigma/2. A plane that is always pressed counts as if nothing pressed it.
+    For many cycles; 0.2 to 0.3 is usual for k of ductile metals.
+
+    Args:
+        k: weight of the normal stress; >= 0.
+    """
+    return lambda planes: planes.shear_stress_range / 2 + k * planes.largest_pull
+
+
 def find_critical(stress: Array, strain: Array, parameter: Parameter) -> Critical:
     """Find the plane of the largest parameter at every point.
 
     Args:
         stress: (n, M, 6) of n states, in their order.
         strain: (n, M, 6) elastic strain there, components of the tensor.
-        parameter: `smith_watson_topper`, or one that `fatemi_socie` gives.
+        parameter: `smith_watson_topper`, or one that `fatemi_socie` or `findley` gives.
     """
     count = stress.shape[1]
     value, normal = np.full(count, np.nan), np.full((count, 3), np.nan)

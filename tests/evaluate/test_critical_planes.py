@@ -14,6 +14,7 @@ from fretfe.evaluate.critical_planes import (
     Parameter,
     fatemi_socie,
     find_critical,
+    findley,
     smith_watson_topper,
 )
 
@@ -149,3 +150,12 @@ def test_search_against_all_planes(name: str) -> None:
     found = critical(packed(history), PARAMETERS[name]).value[0]
     # The grid misses the top by at most half a degree, 1 - cos(1 degree) = 1.5e-4 or so.
     assert found == pytest.approx(best, rel=1e-3)
+
+
+@pytest.mark.parametrize("k", [0.0, 0.25, 1.0])
+def test_findley_of_tension_and_torsion(k: float) -> None:
+    root = np.sqrt(1 + k**2)
+    twisted = critical(packed(rotated(torsion(200.0))), findley(k))
+    assert twisted.value[0] == pytest.approx(200 * root, rel=SEARCHED)
+    pulled = critical(packed(uniaxial(np.array([300.0, -300.0]))), findley(k))
+    assert pulled.value[0] == pytest.approx(300 * (k + root) / 2, rel=SEARCHED)

@@ -62,6 +62,7 @@ LAYERS = (
     "fretfe.report.*",
     "fretfe.exchange.*",
     "fretfe.strength.*",
+    "fretfe.decision.*",
     "fretfe.sweeps.*",
     "fretfe.work",
     "fretfe.runner",
