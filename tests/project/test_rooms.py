@@ -22,7 +22,7 @@ BESIDE_ROOMS = {"system", "project", "campaign", "cases", "reference", "harness"
 # Code lines (no docstrings, comments, blanks, imports) of each room; five in a hundred are free.
 ROOM_LINES = {
     "_core": 0,
-    "analytic": 1112,
+    "analytic": 1200,
     "backends": 482,
     "bodies": 2417,
     "case": 2691,
