@@ -30,7 +30,10 @@ of g = p and q:
     sigma_xy            =  (1/pi) [Im I_q + y Re I_q' + y Im I_p']
 
 An ellipse g = g0 sqrt(1 - t^2/b^2) has I_g = (pi g0/b)(z - sqrt(z^2 - b^2)): McEwen's solution
-(Johnson 1985, section 4.2) in one term. Partial slip is a sum of ellipses.
+(Johnson 1985, section 4.2) in one term. Partial slip is a sum of ellipses. A traction whose slope
+jumps by m_j at the nodes t_j, straight between them and zero at both ends, has
+
+    I_g(z) = sum m_j (z - t_j) ln(z - t_j),   I_g'(z) = sum m_j ln(z - t_j)
 """
 
 from __future__ import annotations
@@ -50,6 +53,8 @@ from fretfe.analytic.profiles import Hertz, Profile
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)
 # Share of 4 f p0 by which round-off may take a tension beyond a bound: the bound itself is valid.
 ROUND_OFF = 1e-12
+# Numbers that are held at the same time, of points and nodes.
+LARGEST = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -377,6 +382,47 @@ def elliptical_stress(
     # y times the slope vanishes on the surface, at the ends of the ellipse too.
     slope = np.where(height == 0, 0.0, -height * slope)
     return _sum(pressure * unit, pressure * slope, shear * unit, shear * slope)
+
+
+def linear_stress(
+    x: ArrayLike, depth: ArrayLike, nodes: Array, pressure: Array, shear: Array
+) -> Array:
+    """Return the stress in body 2 under tractions that are straight between nodes.
+
+    Exact for a half-plane, in plane strain as in plane stress. Finite everywhere.
+
+    Args:
+        x: (M,) positions.
+        depth: (M,) distances below the surface, >= 0.
+        nodes: (K,) increasing.
+        pressure: (n, K) p there in n states, zero at the first and the last node.
+        shear: (n, K) q on body 2, likewise.
+
+    Returns:
+        (n, M, 3) sigma_xx, sigma_yy, sigma_xy.
+
+    Raises:
+        ValueError: if a depth is negative.
+    """
+    place = np.empty(np.shape(x), dtype=np.complex128)
+    # On the surface the imaginary part is -0: below the cut of the logarithm.
+    place.real, place.imag = x, -check_range("depth", depth, low=0.0)
+    jumps = [np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0)
+             for each in (pressure, shear)]  # fmt: skip
+    size = max(LARGEST // len(nodes), 1)
+    found = []
+    for start in range(0, len(place), size):
+        here = place[start : start + size]
+        difference = here[:, None] - nodes
+        # At a node itself both terms vanish: the depth is 0.
+        slopes = np.log(np.where(difference == 0, 1, difference))
+        values = difference * slopes
+        terms = []
+        for each in jumps:
+            terms.append(each @ values.T)
+            terms.append(here.imag * (each @ slopes.T))
+        found.append(_sum(*terms))
+    return np.concatenate(found, axis=1)
 
 
 def _sum(normal: Any, normal_slope: Any, shear: Any, shear_slope: Any) -> Array:

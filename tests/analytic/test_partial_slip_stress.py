@@ -8,7 +8,7 @@ import pytest
 from scipy.integrate import quad
 
 from fretfe._typing import Array
-from fretfe.analytic.partial_slip import elliptical_stress
+from fretfe.analytic.partial_slip import elliptical_stress, linear_stress
 
 B, P0, Q0 = 0.8, 3.0, 1.1
 
@@ -69,3 +69,31 @@ def test_wrong_arguments_are_named() -> None:
         elliptical_stress(0.0, -1.0, 1.0, 1.0, 0.0)
     with pytest.raises(ValueError, match="half_width must lie in"):
         elliptical_stress(0.0, 1.0, 0.0, 1.0, 0.0)
+
+
+def test_straight_tractions_approach_an_ellipse() -> None:
+    nodes = B * np.sin(np.linspace(-np.pi / 2, np.pi / 2, 801))
+    shape = np.sqrt(np.maximum(1 - (nodes / B) ** 2, 0)) * np.array([[1.0], [-2.0]])
+    shape[:, [0, -1]] = 0
+    x = np.array([-1.3, -0.8, 0.1, 0.79, 2.5])
+    for depth in (0.0, 0.02, 0.4, 3.0):
+        found = linear_stress(x, np.full(5, depth), nodes, P0 * shape, Q0 * shape)
+        exact = elliptical_stress(x, depth, B, P0, Q0)
+        assert found[0] == pytest.approx(exact, abs=1e-3 if depth else 2e-2)
+        assert found[1] == pytest.approx(-2 * found[0])
+
+
+def test_a_straight_traction_is_exact() -> None:
+    """A triangle of pressure, by quadrature of point forces, and no stress far away."""
+    nodes, pressure = np.array([-1.0, 0.2, 1.0]), np.array([[0.0, 2.0, 0.0]])
+    t, w = np.polynomial.legendre.leggauss(200)
+    pieces = [(low + (high - low) * (1 + t) / 2, w * (high - low) / 2)
+              for low, high in ((-1.0, 0.2), (0.2, 1.0))]  # fmt: skip
+    at, weights = (np.concatenate(each) for each in zip(*pieces, strict=True))
+    force = weights * np.interp(at, nodes, pressure[0])
+    r = np.array([0.7 - at, np.full_like(at, -0.3)])
+    radial = -2 / np.pi * (-force * r[1]) / np.sum(r**2, axis=0) ** 2
+    known = [np.sum(radial * r[i] * r[j]) for i, j in ((0, 0), (1, 1), (0, 1))]
+    found = linear_stress([0.7], [0.3], nodes, pressure, 0 * pressure)
+    assert found[0, 0] == pytest.approx(known, rel=1e-9)
+    assert np.abs(linear_stress([1e5], [1e5], nodes, pressure, pressure)).max() < 1e-4
