@@ -18,6 +18,7 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import changed, parse_case
+from fretfe.decision.field import EdgeField, edge_field
 from fretfe.errors import CaseError, ModelError, OutputError
 from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
@@ -104,6 +105,27 @@ def test_stress_at_depths(solved: Result, number: int, depth: int) -> None:
     assert seen.sum() > 50
     largest = np.abs(found - expected)[seen].max()
     assert largest < (0.006 if depth == 0 else 0.004) * P0
+
+
+@pytest.mark.parametrize("number", [0, 1])
+@pytest.mark.parametrize("edge", [0, 1])
+def test_stress_on_rays_from_an_edge(solved: Result, number: int, edge: int) -> None:
+    """From the files alone: of the tractions, and of what elements have beside it."""
+    contact = solved.contacts[0]
+    field = edge_field(solved, contact, contact.stations[edge], number)
+    assert isinstance(field, EdgeField)
+    history, sign = solved.stress_history("main"), contact.stations[edge].inward
+    for angle in (0.0, 0.6, -0.6):
+        distances = np.array([0.01, 0.02, 0.05, 0.09])
+        assert distances.max() < field.reach(angle)
+        found = swing(history, field.along(angle, distances))[:, [0, 1, 3]]
+        x = sign * (distances * np.sin(angle) - A)
+        known = np.array([
+            exact(at[None], depth, number, 1.0)[0] * [1, 1, sign if number else -sign]
+            for at, depth in zip(x, distances * np.cos(angle), strict=True)
+        ])  # fmt: skip
+        assert np.abs(found - known).max(axis=1) == pytest.approx([0, 0, 0, 0], abs=0.004 * P0)
+    assert 0 < field.smooth.spread < 0.005 * P0
 
 
 def test_parameters_along_the_contact(solved: Result) -> None:

@@ -1,0 +1,336 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress of a plane body around an edge of a contact, without cracks, through the cycle.
+
+Near an edge the stress falls within a slip zone, which elements of a body resolve poorly. But it is
+that of the tractions, which are known well, and these act next to a straight piece of surface: it
+is the stress of a half-plane under the tractions of the contact, in closed form, and of what is
+missing, which is smooth. Of a case of half-planes that is the bulk stress. Of meshed bodies it is
+the difference from the stress of the elements at depths of two elements and more, as a polynomial
+of the place around the edge, whose residual is the error bar.
+
+Points are (x, y) from the mouth, the outermost place of the edge in the cycle, with x along the
+surface inward and y along the outward normal of the body: y <= 0, whichever body and edge it is.
+Components of stress are xx, yy, zz, xy there.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.analytic.partial_slip import linear_stress
+from fretfe.case import isotropic
+from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.stress import StressHistory, judged_states
+from fretfe.history.solution import ContactHistory
+from fretfe.materials.moduli import plane_modulus
+from fretfe.results.model import Result
+
+# Elements next to an edge that are divided, and parts of each of them: the pressure has a root.
+DIVIDED = 4.0
+PARTS = 12
+# Half-planes are asked for the stress up to so many half-widths from the edge.
+FARTHEST = 4.0
+# Elements above which the stress of elements is not used, and powers of each coordinate.
+SHALLOW = 2.0
+POWER = 3
+FEWEST_ROWS = 2
+
+
+@dataclass(frozen=True)
+class NearField:
+    """A half-plane under the tractions of a contact, through n states.
+
+    Attributes:
+        nodes: (K,) x of places between which the tractions are straight.
+        pressure, shear: (n, K) there, on this body, shear positive along x.
+        across: stress along z over xx + yy.
+    """
+
+    nodes: Array
+    pressure: Array
+    shear: Array
+    across: float
+
+    def at(self, points: Array) -> Array:
+        """(n, M, 4) stress at points (M, 2)."""
+        x, y = points.T
+        plane = linear_stress(x, np.maximum(-y, 0.0), self.nodes, self.pressure, self.shear)
+        across = self.across * (plane[..., 0] + plane[..., 1])
+        return np.stack([plane[..., 0], plane[..., 1], across, plane[..., 2]], axis=-1)
+
+
+@dataclass(frozen=True)
+class SmoothStress:
+    """A polynomial of the place, through n states.
+
+    Attributes:
+        powers: (k, 2) of x and y.
+        scale: length by which places are divided.
+        values: (n, k, 4) its coefficients.
+        spread: half the width of an interval that holds most of what it misses; 0 where it is
+            exact.
+        deepest: largest depth at which it is known.
+        widest: largest distances from the edge along the surface, outward and inward.
+    """
+
+    powers: Indices
+    scale: float
+    values: Array
+    spread: float
+    deepest: float
+    widest: tuple[float, float]
+
+    def at(self, points: Array) -> Array:
+        """(n, M, 4) stress at points (M, 2)."""
+        return np.asarray(_terms(points / self.scale, self.powers) @ self.values)
+
+
+def _terms(points: Array, powers: Indices) -> Array:
+    return np.asarray(np.prod(points[:, None] ** powers, axis=2))
+
+
+@dataclass(frozen=True)
+class EdgeField:
+    """The stress of a body around an edge, without cracks, through n states.
+
+    Attributes:
+        contact, edge, body: their names.
+        states: (n,) numbers of the states.
+        size: an element at the edge [length].
+        near: the stress by the tractions.
+        smooth: what is missing to that of the body.
+    """
+
+    contact: str
+    edge: str
+    body: str
+    states: Indices
+    size: float
+    near: NearField
+    smooth: SmoothStress
+
+    def reach(self, angle: float) -> float:
+        """Length of a ray at an angle from the inward normal, inside of what is known."""
+        aside = math.sin(angle)
+        lateral = self.smooth.widest[aside > 0] / abs(aside) if aside else math.inf
+        return min(self.smooth.deepest / math.cos(angle), lateral)
+
+    def stress(self, points: Array) -> Array:
+        """(n, M, 4) stress at points (M, 2)."""
+        return self.near.at(points) + self.smooth.at(points)
+
+    def along(self, angle: float, distances: Array) -> Array:
+        """(n, D, 4) stress on a ray from the mouth.
+
+        Args:
+            angle: from the inward normal, positive under the contact.
+            distances: (D,) from the mouth, up to `reach`.
+        """
+        return self.stress(np.outer(distances, [math.sin(angle), -math.cos(angle)]))
+
+
+def edge_field(result: Result, contact: Contact, station: Station, number: int) -> EdgeField | str:
+    """The stress around an edge, or the reason why it is not known.
+
+    Args:
+        result: of plane bodies.
+        contact: of it.
+        station: edge of the contact.
+        number: of the body, 0 or 1.
+    """
+    if reason := _obstacle(result, contact, station):
+        return reason
+    pair = _pair(result, contact)
+    history = result.stress_history(contact.pair) if result.has_stress else None
+    states = judged_states(result.solution, result.contacts) if history is None else history.states
+    place = station.position[states]
+    if not np.isfinite(place).all():
+        return "its place is not known in all states of the cycle"
+    if history is None and not result.solution.keeps(int(states[0]), int(states[-1])):
+        return "the tractions of some states of the cycle are not kept"
+    side = _Side(number, station.inward, float(np.min(station.inward * place)))
+    near = _near_field(result, contact, states, side, history)
+    if history is None:
+        smooth: SmoothStress | str = _bulk(result, contact, states, number)
+    else:
+        smooth = _rest(history, near, side, _size(history.arc, side.place))
+    if isinstance(smooth, str):
+        return smooth
+    body = (pair.body1, pair.body2)[number]
+    size = _size(pair.surface.arc, side.place)
+    return EdgeField(contact.name, station.front, body, states, size, near, smooth)
+
+
+def _obstacle(result: Result, contact: Contact, station: Station) -> str:
+    """Reason why the stress is not known, or an empty text."""
+    pair = _pair(result, contact)
+    if contact.solid or pair.surface.frames.shape[1] > len(pair.surface.points[0]):
+        return "the bodies are solids, or move along z"
+    if result.failure is not None:
+        return "the run is not complete"
+    if not all(isotropic(result.case.bodies[each]) for each in (pair.body1, pair.body2)):
+        return "a body is a crystal"
+    if station.no_edge or not math.isfinite(station.reported_k_n):
+        return "K_N is not known: the pressure has no root at this edge, or too wide a bar"
+    if result.backend != "halfplane" and not result.has_stress:
+        return "the run has no stress of the bodies: [output] stress_depths asks for it"
+    return ""
+
+
+def _pair(result: Result, contact: Contact) -> ContactHistory:
+    """A contact, or any of the patches of its pair: all of them have its surface and bodies."""
+    return next(each for each in result.solution.contacts if each.pair == contact.pair)
+
+
+@dataclass(frozen=True)
+class _Side:
+    """A body at an edge: its number, the direction inward along the arc, and x = 0 in that."""
+
+    body: int
+    inward: int
+    mouth: float
+
+    @property
+    def place(self) -> float:
+        """The mouth along the arc."""
+        return self.inward * self.mouth
+
+    def x(self, arc: Array) -> Array:
+        """Distances from the mouth inward of places along the arc."""
+        return self.inward * arc - self.mouth
+
+
+def _size(arc: Array, place: float) -> float:
+    """Length of the element at a place."""
+    at = int(np.clip(np.searchsorted(arc, place), 1, len(arc) - 1))
+    return float(arc[at] - arc[at - 1])
+
+
+def _near_field(
+    result: Result, contact: Contact, states: Indices, side: _Side, history: StressHistory | None
+) -> NearField:
+    pair = _pair(result, contact)
+    body = isotropic(result.case.bodies[(pair.body1, pair.body2)[side.body]])
+    assert body is not None
+    own = [each for each in result.contacts if each.pair == contact.pair]
+    ends = np.array([each.position[states] for patch in own for each in patch.stations])
+    if history is None:
+        patches = [each for each in result.solution.contacts if each.pair == contact.pair]
+        traction = np.sum([each.mean_traction[states] for each in patches], axis=0)
+    else:
+        traction = history.traction
+    arc = pair.surface.arc
+    nodes = _divided(arc, ends, side.place)
+    pressure, shear = _on_nodes(nodes, arc, traction, ends)
+    # The shear is that on body 2, along the arc.
+    way = side.inward * (1 if side.body else -1)
+    x, forward = side.x(nodes), slice(None, None, side.inward)
+    across = body.poisson if result.case.model.plane == "strain" else 0.0
+    return NearField(x[forward], pressure[:, forward], way * shear[:, forward], across)
+
+
+def _divided(arc: Array, ends: Array, mouth: float) -> Array:
+    """Nodes of a contact, and places between those next to an edge in some state.
+
+    Args:
+        arc: (N,) nodes.
+        ends: (e, n) places of edges; NaN where there is none.
+        mouth: place at which the stress of the surface itself is looked at.
+    """
+    lengths = np.diff(arc)
+    places = np.sort(ends[np.isfinite(ends)])
+    around = DIVIDED * lengths
+    first = np.searchsorted(places, arc[:-1] - around)
+    inside = first < np.searchsorted(places, arc[1:] + around)
+    more = arc[:-1][inside, None] + lengths[inside, None] * np.arange(1, PARTS) / PARTS
+    beside = _size(arc, mouth) / PARTS * np.geomspace(1e-3, 1, PARTS)
+    return np.unique(np.concatenate([arc, more.ravel(), mouth - beside, [mouth], mouth + beside]))
+
+
+def _on_nodes(nodes: Array, arc: Array, traction: Array, ends: Array) -> tuple[Array, Array]:
+    """(n, K) pressure and shear at places from means around nodes.
+
+    The square of the pressure is straight between nodes, and from them to the edges, where the
+    pressure itself has a root. The shear over the pressure is straight too: it is f where it slips.
+
+    Args:
+        nodes: (K,) places.
+        arc: (N,) nodes of the contact.
+        traction: (n, N, 2) p and q.
+        ends: (e, n) places of the edges of all patches, left and right in turn.
+    """
+    found, beside = np.zeros((2, len(traction), len(nodes))), np.gradient(arc)
+    for state, (p, q) in enumerate(traction.swapaxes(1, 2)):
+        edges = ends[:, state].reshape(-1, 2)
+        edges = edges[np.isfinite(edges).all(axis=1)]
+        # The mean around a node less than an element from an edge has a part of the root.
+        inside = (arc > edges[:, :1] + beside) & (arc < edges[:, 1:] - beside)
+        inside = inside.any(axis=0) & (p > 0)
+        places = np.concatenate([arc[inside], edges.ravel()])
+        squares = np.concatenate([p[inside] ** 2, np.zeros(edges.size)])
+        order = np.argsort(places, kind="stable")
+        square = np.interp(nodes, places[order], squares[order], left=0.0, right=0.0)
+        found[0, state] = np.sqrt(square)
+        found[1, state] = found[0, state] * np.interp(nodes, arc[inside], q[inside] / p[inside])
+    return found[0], found[1]
+
+
+def _bulk(result: Result, contact: Contact, states: Indices, number: int) -> SmoothStress:
+    """The bulk stress of a half-plane: a tension of body 2.
+
+    The driver makes surface 2 stretch by sigma0/(2 E*) more than surface 1; it is a load of body 2.
+    """
+    pair, solution, plane = _pair(result, contact), result.solution, result.case.model.plane
+    moduli = [plane_modulus(result.case.bodies[name], plane) for name in (pair.body1, pair.body2)]
+    values = np.zeros((len(states), 1, 4))
+    if number == 1:
+        share = moduli[1] * sum(1 / each for each in moduli) / 2
+        place = solution.drivers.index("tension")
+        values[:, 0, 0] = share * solution.driver_values[states, place]
+    body = isotropic(result.case.bodies[(pair.body1, pair.body2)[number]])
+    assert body is not None
+    values[:, 0, 2] = (body.poisson if plane == "strain" else 0.0) * values[:, 0, 0]
+    width = FARTHEST * float(np.nanmax(contact.half_width[states]))
+    return SmoothStress(np.zeros((1, 2), dtype=np.int64), 1.0, values, 0.0, width, (width, width))
+
+
+def _rest(history: StressHistory, near: NearField, side: _Side, size: float) -> SmoothStress | str:
+    """The stress of elements less that of the tractions, or why it is not known."""
+    rows = np.flatnonzero(history.depths >= SHALLOW * size)
+    if len(rows) < FEWEST_ROWS:
+        return (
+            f"[output] stress_depths has {len(rows)} depths of {SHALLOW:g} elements, "
+            f"{SHALLOW * size:.3g}, and more: {FEWEST_ROWS} are needed"
+        )
+    body, x = history.bodies[side.body], side.x(history.arc)
+    deepest = float(history.depths[rows].max())
+    stress = _turned(body.stress[:, rows], history.frames[:, 1], body.normals, side.inward)
+    places = np.stack(np.broadcast_arrays(x, -history.depths[rows, None]), axis=-1)
+    used = (np.abs(x) <= deepest) & np.isfinite(stress).all(axis=(0, 3))
+    points = places[used]
+    powers = np.array([
+        (i, j) for j in range(min(POWER, len(rows) - 1) + 1) for i in range(POWER + 1 - j)
+    ])  # fmt: skip
+    if len(points) < 2 * len(powers):
+        return "the stress of the elements is known at too few places around the edge"
+    flat = (stress[:, used] - near.at(points)).swapaxes(0, 1).reshape(len(points), -1)
+    terms = _terms(points / deepest, powers)
+    found = np.linalg.lstsq(terms, flat, rcond=None)[0]
+    missed = 2 * float(np.sqrt(np.mean((terms @ found - flat) ** 2, axis=0)).max())
+    values = found.reshape(len(powers), -1, 4).swapaxes(0, 1)
+    widest = float(max(-points[:, 0].min(), 0.0)), float(max(points[:, 0].max(), 0.0))
+    return SmoothStress(powers, deepest, values, missed, deepest, widest)
+
+
+def _turned(stress: Array, tangents: Array, normals: Array, inward: int) -> Array:
+    """(n, D, N, 4) components xx, yy, zz, xy with x along the surface inward and y outward."""
+    xx, yy, zz, xy = np.moveaxis(stress, -1, 0)
+    (t1, t2), (n1, n2) = tangents.T, normals.T
+    along = xx * t1**2 + yy * t2**2 + 2 * xy * t1 * t2
+    across = xx * n1**2 + yy * n2**2 + 2 * xy * n1 * n2
+    sheared = xx * t1 * n1 + yy * t2 * n2 + xy * (t1 * n2 + t2 * n1)
+    return np.stack([along, across, zz, inward * sheared], axis=-1)

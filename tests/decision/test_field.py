@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress around edges of half-planes against closed forms, smooth parts, and what is refused."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+from cases.pad_cases import SLIDING, pad, press, pull, shear
+from cases.stored_runs import solved, write_run
+
+from fretfe._typing import Array
+from fretfe.analytic.partial_slip import elliptical_stress
+from fretfe.backends import RunOptions
+from fretfe.backends.halfplane import BACKEND as HALFPLANE
+from fretfe.case import parse_case
+from fretfe.decision.field import EdgeField, edge_field
+from fretfe.evaluate.stress import BodyStress, StressHistory
+from fretfe.results.model import Result
+from fretfe.results.reader import load_result
+
+# R = 50, P = 600, Q = 60, f = 0.4, steel in plane strain.
+E_STAR = 210e3 / (2 * (1 - 0.3**2))
+A = np.sqrt(4 * 600 * 50 / (np.pi * E_STAR))
+P0 = 2 * 600 / (np.pi * A)
+C = A * np.sqrt(1 - 60 / (0.4 * 600))
+EDGES = [(edge, body) for edge in (0, 1) for body in (0, 1)]
+
+
+def field_of(result: Result, edge: int, body: int) -> EdgeField:
+    contact = result.contacts[0]
+    found = edge_field(result, contact, contact.stations[edge], body)
+    assert isinstance(found, EdgeField)
+    return found
+
+
+def at_time(result: Result, field: EdgeField, time: float) -> int:
+    return int(np.argmin(np.abs(result.solution.times[field.states] - time)))
+
+
+def exact(field: EdgeField, points: Array) -> Array:
+    """(M, 3) at the largest Q, to +x on body 2; of the edge's own axes."""
+    inward = 1 if field.edge == "left" else -1
+    x, depth = inward * (points[:, 0] - A), -points[:, 1]
+    q = 0.4 * P0 if field.body == "lower" else -0.4 * P0
+    stress = elliptical_stress(x, depth, A, P0, q) - elliptical_stress(x, depth, C, 0, q * C / A)
+    return stress * [1, 1, inward]
+
+
+@pytest.mark.parametrize(("edge", "body"), EDGES)
+def test_partial_slip_below_an_edge(edge: int, body: int) -> None:
+    """McEwen's cylinder and the shear of Cattaneo, to a quarter of the slip zone: 2e-4 of p0."""
+    result = solved("halfplane")
+    field = field_of(result, edge, body)
+    state = at_time(result, field, 2.25)
+    distances = np.array([0.25, 0.5, 1, 2, 4, 10]) * (A - C)
+    for angle in (-1.0, 0.0, 0.5):
+        found = field.along(angle, distances)[state]
+        known = exact(field, np.outer(distances, [np.sin(angle), -np.cos(angle)]))
+        assert np.abs(found[:, [0, 1, 3]] - known).max() < 2e-4 * P0
+        assert found[:, 2] == pytest.approx(0.3 * (found[:, 0] + found[:, 1]))
+    assert field.reach(0.0) == pytest.approx(4 * A, rel=1e-3)
+    assert field.reach(1.0) == pytest.approx(4 * A / np.sin(1), rel=1e-3)
+
+
+@pytest.mark.parametrize(("edge", "body"), EDGES)
+def test_tension_at_the_trailing_edge(edge: int, body: int) -> None:
+    """2 f p0 √(Q/(f P)), and as much pressure at the leading one; tractions are zero there."""
+    result = solved("halfplane")
+    field = field_of(result, edge, body)
+    trailing = (field.edge == "left") == (field.body == "lower")
+    known = 2 * 0.4 * P0 * np.sqrt(60 / (0.4 * 600)) * (1 if trailing else -1)
+    found = field.along(0.0, np.array([0.0]))[at_time(result, field, 2.25), 0]
+    assert found[0] == pytest.approx(known, rel=0.01)
+    assert found[[1, 3]] == pytest.approx([0, 0], abs=1e-6 * P0)
+
+
+@cache
+def pulled() -> Result:
+    """Tension on the right side of the block beside Q, which the left side holds."""
+    case = parse_case(
+        pad(loads={"press": press(), "shear": shear(20, steps=8), "pull": pull(50, steps=8)},
+            supports=SLIDING)
+    )  # fmt: skip
+    return replace(HALFPLANE.solve(case, RunOptions()), backend="halfplane")
+
+
+def test_bulk_tension_is_that_of_the_pulled_body() -> None:
+    """Far below the contact and beside it, what the tractions make has faded."""
+    result = pulled()
+    lower, upper = field_of(result, 0, 1), field_of(result, 0, 0)
+    state = at_time(result, lower, 2.25)
+    below = np.array([[0.0, -lower.reach(0.0)]])
+    tension = lower.smooth.at(below)[state, 0]
+    # Q reaches the side that is held: half of it is a tension of this one.
+    assert tension[0] == pytest.approx(50, rel=0.1) and tension[0] != 50
+    assert tension[1:] == pytest.approx([0, 0.3 * tension[0], 0])
+    assert (upper.smooth.at(below) == 0).all()
+    assert lower.stress(below)[state, 0, 0] == pytest.approx(
+        tension[0] + lower.near.at(below)[state, 0, 0]
+    )
+
+
+def test_the_files_alone_will_do(tmp_path: Path) -> None:
+    read = load_result(write_run(tmp_path / "run", "halfplane"))
+    one, other = field_of(read, 1, 1), field_of(solved("halfplane"), 1, 1)
+    distances = np.array([0.0, 0.01, 0.3])
+    assert one.along(0.3, distances) == pytest.approx(other.along(0.3, distances), abs=1e-6 * P0)
+
+
+def test_what_is_not_known_has_a_reason() -> None:
+    result = solved("halfplane")
+    contact, incomplete = result.contacts[0], solved("incomplete")
+    station = contact.stations[0]
+    meshed = replace(result, backend="fem")
+    assert "stress_depths" in str(edge_field(meshed, contact, station, 0))
+    assert "not complete" in str(
+        edge_field(incomplete, incomplete.contacts[0], incomplete.contacts[0].stations[0], 0)
+    )
+    vague = replace(station, k_n_spread=station.k_n)
+    assert "K_N" in str(edge_field(result, contact, vague, 0))
+    lost = replace(station, position=np.full_like(station.position, np.nan))
+    assert "place" in str(edge_field(result, contact, lost, 0))
+
+
+def smooth_case(monkeypatch: pytest.MonkeyPatch, depths: Array) -> tuple[Result, StressHistory]:
+    """Elements whose stress is that of half-planes and a field that bends and shears."""
+    result = solved("halfplane")
+    own = [field_of(result, 0, body) for body in (0, 1)]
+    surface = result.solution.contacts[0].surface
+    # Beside the contact too, as the surfaces of meshed bodies go on there.
+    frames = np.array([[0.0, 1.0], [1.0, 0.0]])
+    bodies = []
+    for field, up in zip(own, (-1.0, 1.0), strict=True):
+        x = surface.arc - result.contacts[0].stations[0].position[field.states].min()
+        points = np.stack(np.broadcast_arrays(x, -depths[:, None]), axis=-1)
+        flat = points.reshape(-1, 2)
+        stress = field.near.at(flat) + bent(flat)
+        stress[..., 3] *= up
+        shape = len(field.states), len(depths), len(x), 4
+        normals = np.tile([0.0, up], (len(x), 1))
+        bodies.append(BodyStress(field.body, points, normals, stress.reshape(shape)))
+    states = own[0].states
+    contact = result.solution.contacts[0]
+    history = StressHistory(
+        "main", depths, states, result.solution.times[states], surface.arc,
+        np.tile(frames, (len(surface.arc), 1, 1)), np.asarray(contact.mean_traction[states]),
+        np.asarray(contact.slip[states])[..., 0], np.asarray(contact.status[states]),
+        (bodies[0], bodies[1]), (),
+    )  # fmt: skip
+    monkeypatch.setattr(Result, "has_stress", True)
+    monkeypatch.setattr(Result, "stress_history", lambda *_: history)
+    return replace(result, backend="fem"), history
+
+
+def bent(points: Array) -> Array:
+    """(M, 4) a smooth stress, in a body's own axes."""
+    x, y = points.T
+    return np.stack([90 + 20 * x - 30 * y, 5 * y, 10 * x * y, 8 * y + x**2 * y], axis=-1)
+
+
+@pytest.mark.parametrize("body", [0, 1])
+def test_what_elements_have_beside_the_tractions(
+    monkeypatch: pytest.MonkeyPatch, body: int
+) -> None:
+    """A cubic field is found exactly, at the surface too, above all depths that are used."""
+    depths = np.array([0.0, 0.0002, 0.05, 0.1, 0.2, 0.4])
+    result, history = smooth_case(monkeypatch, depths)
+    history.bodies[body].stress[:, :2] += 1e3
+    field = field_of(result, 0, body)
+    points = np.array([[0.0, 0.0], [0.1, -0.02], [0.2, -0.4]])
+    assert field.smooth.at(points)[3] == pytest.approx(bent(points), abs=1e-6)
+    assert field.smooth.spread == pytest.approx(0, abs=1e-6)
+    assert field.reach(0.0) == 0.4 and field.reach(0.5) == pytest.approx(0.4 / np.cos(0.5))
+    # Elements end with the contact surface, outward.
+    assert field.reach(-0.5) < 0.05
+
+
+def test_few_depths_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    result, _ = smooth_case(monkeypatch, np.array([0.0, 0.0002, 0.05]))
+    contact = result.contacts[0]
+    assert "depths of 2 elements" in str(edge_field(result, contact, contact.stations[0], 1))
