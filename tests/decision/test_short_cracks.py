@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cracks from the edges of half-planes: uniform fields, mirrored edges, size of a contact."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases.stored_runs import solved
+
+from fretfe._typing import Array
+from fretfe.analytic.cracks import EdgeCracks
+from fretfe.decision.field import EdgeField, NearField, edge_field
+from fretfe.decision.short_cracks import crack_drive, judge_arrest
+from fretfe.decision.thresholds import FatigueLimit, Threshold, short_length
+
+# An aluminium alloy, for illustration: MPa √mm and MPa.
+THRESHOLD = Threshold(np.array([0.0]), np.array([4.2 * math.sqrt(1000)]), 0.5)
+LIMIT = FatigueLimit(248.0, 0.0)
+
+
+def field_of(edge: int, body: int) -> EdgeField:
+    contact = solved("halfplane").contacts[0]
+    found = edge_field(solved("halfplane"), contact, contact.stations[edge], body)
+    assert isinstance(found, EdgeField)
+    return found
+
+
+def under_tension(tension: Array) -> EdgeField:
+    """Without a contact."""
+    field = field_of(0, 1)
+    nodes = np.array([-1.0, 0.0, 1.0])
+    none = np.zeros((len(tension), 3))
+    values = np.zeros((len(tension), 1, 4))
+    values[:, 0, 0] = tension
+    return replace(
+        field,
+        states=np.arange(len(tension)),
+        near=NearField(nodes, none, none, 0.3),
+        smooth=replace(field.smooth, values=values),
+    )
+
+
+def test_uniform_tension_at_any_angle() -> None:
+    drive = crack_drive(under_tension(np.array([0.0, 100.0])), np.array([-45.0, 0.0, 45.0]))
+    scale = 100 * np.sqrt(np.pi * drive.lengths)
+    # Places at which the stress is known limit slanted cracks no less than straight ones.
+    assert np.isfinite(drive.k_1[1]).all(axis=1).tolist() == [True, False, True]
+    assert drive.k_1[1, 2] / scale == pytest.approx(0.705, abs=5e-4)
+    assert drive.k_2[1, 2] / scale == pytest.approx(0.3645, abs=5e-4)
+    assert drive.ranges[0] == pytest.approx(np.hypot(0.705, 0.3645) * scale, rel=1e-3)
+    known = np.isfinite(drive.ranges[1])
+    assert drive.ranges[1, known] == pytest.approx(1.1215 * scale[known], rel=1e-3)
+
+
+def test_a_crack_below_an_edge_by_points_of_its_own() -> None:
+    """Interpolated along the ray as well as at the places of the quadrature themselves."""
+    field = field_of(0, 1)
+    drive = crack_drive(field, np.array([20.0]))
+    cracks = EdgeCracks.of(np.radians([20.0]))
+    lengths = drive.lengths[[3, 15, 30]]
+    points = cracks.points(lengths)
+    stress = field.stress(points.reshape(-1, 2)).reshape(-1, *points.shape[:-1], 4)[..., [0, 1, 3]]
+    k_1, k_2 = cracks.factors(lengths, stress)
+    scale = np.abs(k_1).max(axis=0)[0]
+    assert np.abs(drive.k_1[:, 0, [3, 15, 30]] - k_1[:, 0]).max(axis=0) / scale == pytest.approx(
+        [0, 0, 0], abs=3e-3
+    )
+    assert np.abs(drive.k_2[:, 0, [3, 15, 30]] - k_2[:, 0]).max(axis=0) / scale == pytest.approx(
+        [0, 0, 0], abs=3e-3
+    )
+
+
+def test_the_four_edges_of_two_equal_bodies_are_one() -> None:
+    """Half a cycle apart: the ranges of both bodies at both edges agree."""
+    ranges = [crack_drive(field_of(edge, body)).ranges for edge in (0, 1) for body in (0, 1)]
+    for other in ranges[1:]:
+        assert other == pytest.approx(ranges[0], rel=0.01, abs=0.5, nan_ok=True)
+
+
+def pulled(tension: float) -> EdgeField:
+    """The body that Q pulls, at its trailing edge, with a tension in phase with that."""
+    field = field_of(0, 1)
+    phase = solved("halfplane").solution.driver_values[field.states, 0] / 60
+    values = field.smooth.values.copy()
+    values[:, 0, 0] += tension * phase
+    return replace(field, smooth=replace(field.smooth, values=values))
+
+
+def test_the_margin_is_the_factor_that_makes_a_crack_grow_through() -> None:
+    drive = crack_drive(pulled(60.0))
+    found = judge_arrest(drive, THRESHOLD, LIMIT)
+    assert not isinstance(found, str)
+    assert found.a0 == pytest.approx(short_length(THRESHOLD, LIMIT))
+    assert math.isfinite(found.margin) and found.start < found.margin
+    for factor in (
+        0.99 * found.start,
+        1.01 * found.start,
+        0.99 * found.margin,
+        1.01 * found.margin,
+    ):
+        scaled = judge_arrest(replace(drive, ranges=factor * drive.ranges), THRESHOLD, LIMIT)
+        assert not isinstance(scaled, str)
+        assert scaled.angle == found.angle and scaled.longest == found.longest
+        if factor < found.start:
+            assert scaled.length == 0
+        elif factor < found.margin:
+            assert 0 <= scaled.length <= scaled.longest
+        else:
+            assert scaled.length == math.inf
+
+
+def test_the_contact_alone_stops_its_cracks() -> None:
+    """What presses the bodies together closes long cracks, whatever the shear is."""
+    drive = crack_drive(field_of(0, 1))
+    found = judge_arrest(replace(drive, ranges=3 * drive.ranges), THRESHOLD, LIMIT)
+    assert not isinstance(found, str)
+    assert found.margin == math.inf and found.start < 1 and 0 < found.length < found.longest
+
+
+def test_no_crack_under_pressure() -> None:
+    drive = crack_drive(under_tension(np.array([-100.0, -20.0])))
+    found = judge_arrest(drive, THRESHOLD, LIMIT)
+    assert not isinstance(found, str)
+    assert found.margin == math.inf and found.length == 0
+
+
+def test_thresholds_that_do_not_reach() -> None:
+    drive = crack_drive(under_tension(np.array([80.0, 100.0])))
+    table = Threshold(np.array([0.0, 0.5]), np.array([130.0, 100.0]))
+    assert "R = 0.8" in str(judge_arrest(drive, table, LIMIT))
+    late = Threshold(np.array([0.2, 0.9]), np.array([130.0, 100.0]))
+    assert "R of the limit" in str(judge_arrest(drive, late, LIMIT))
