@@ -12,7 +12,9 @@ from cases.stored_runs import solved
 
 from fretfe._typing import Array
 from fretfe.analytic.cracks import EdgeCracks
-from fretfe.decision.field import EdgeField, NearField, edge_field
+from fretfe.analytic.partial_slip import PartialSlip, shear_moderate_tension
+from fretfe.analytic.profiles import Hertz
+from fretfe.decision.field import EdgeField, NearField, SmoothStress, edge_field
 from fretfe.decision.short_cracks import crack_drive, judge_arrest
 from fretfe.decision.thresholds import FatigueLimit, Threshold, short_length
 
@@ -133,3 +135,38 @@ def test_thresholds_that_do_not_reach() -> None:
     assert "R = 0.8" in str(judge_arrest(drive, table, LIMIT))
     late = Threshold(np.array([0.2, 0.9]), np.array([130.0, 100.0]))
     assert "R of the limit" in str(judge_arrest(drive, late, LIMIT))
+
+
+def cylinder(radius: float) -> EdgeField:
+    """The pulled body at the trailing edge, at the two extremes of Q and of the bulk stress.
+
+    p0 = 157 MPa, Q/P = .45, f = .75 and a bulk stress of 92.7 MPa, aluminium: specimens of Nowell
+    and Hills (1990), of which those with large pads failed.
+    """
+    e_star, friction, share, bulk = 74e3 / (2 * (1 - 0.33**2)), 0.75, 0.45, 92.7
+    a = 157 * 2 * radius / e_star
+    force = math.pi * a * 157 / 2
+    contact = PartialSlip(Hertz(radius, e_star), force, friction)
+    inner = -a + a * np.geomspace(1e-7, 1e-2, 50)
+    x = np.union1d(a * np.cos(np.linspace(0, np.pi, 401)), inner)
+    pressure = 157 * np.sqrt(np.maximum(1 - (x / a) ** 2, 0))
+    shear = shear_moderate_tension(contact, np.clip(x, -a, a), share * force, bulk)
+    pressure[[0, -1]] = shear[[0, -1]] = 0
+    values = np.zeros((2, 1, 4))
+    values[:, 0, 0] = bulk, -bulk
+    reach = 4 * a
+    return EdgeField(
+        "main", "left", "lower", np.arange(2), a / 200,
+        NearField(x + a, np.array([pressure, pressure]), np.array([shear, -shear]), 0.33),
+        SmoothStress(np.zeros((1, 2), dtype=np.int64), 1.0, values, 0.0, reach, (reach, reach)),
+    )  # fmt: skip
+
+
+def test_small_contacts_stop_their_cracks_and_large_ones_do_not() -> None:
+    """At the same stresses everywhere but for the size: one critical size, monotone."""
+    found = [judge_arrest(crack_drive(cylinder(r)), THRESHOLD, LIMIT) for r in (12.5, 50, 100, 150)]
+    margins = [each.margin for each in found if not isinstance(each, str)]
+    assert margins == sorted(margins, reverse=True) and len(margins) == 4
+    assert margins[1] > 1.1 > 1 > margins[2]
+    stopped = [each.length for each in found if not isinstance(each, str)]
+    assert math.isfinite(stopped[1]) and stopped[2] == stopped[3] == math.inf
