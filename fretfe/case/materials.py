@@ -12,6 +12,7 @@ from pydantic import TypeAdapter, ValidationError, model_validator
 
 from fretfe.case.base import ABAQUS, Table, Text
 from fretfe.case.bodies import AnyBody, Given, OverTemperature
+from fretfe.case.fatigue import Fatigue
 from fretfe.case.messages import complaint, field_problems, found
 from fretfe.case.model import Case, Key
 from fretfe.case.toml_file import read_tables
@@ -56,7 +57,7 @@ class MaterialUnits(Table):
 
 
 class MaterialFile(Table):
-    """A material file: constants as of a body, their source and their units."""
+    """A material file: constants as of a body, their source and their units, and fatigue data."""
 
     source: Text
     units: MaterialUnits
@@ -65,6 +66,7 @@ class MaterialFile(Table):
     elastic: Any = None
     density: Any = None
     expansion: Any = None
+    fatigue: Fatigue | None = None
 
     @model_validator(mode="after")
     def _unit_of_density(self) -> Self:

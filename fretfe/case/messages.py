@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable, Mapping
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, cast
+from typing import Any, get_args
 
 from pydantic import ValidationError
 from pydantic_core import ErrorDetails
@@ -259,8 +259,19 @@ def _table(location: tuple[str | int, ...], top: type[Table]) -> type[Table]:
         return OF_CONTACTS[location[2]]
     if len(location) == 1:
         return top
-    name = str(location[0])
-    return SECTIONS[name] if top is Case else cast("type[Table]", top.model_fields[name].annotation)
+    return SECTIONS[str(location[0])] if top is Case else _inner(location[:-1], top)
+
+
+def _inner(location: Iterable[str | int], top: type[Table]) -> type[Table]:
+    """The table at a location below another one, which may be optional on the way."""
+    for name in location:
+        annotation = top.model_fields[str(name)].annotation
+        top = next(
+            each
+            for each in (annotation, *get_args(annotation))
+            if isinstance(each, type) and issubclass(each, Table)
+        )
+    return top
 
 
 def _no_load_type(load: Mapping[str, Any]) -> str:

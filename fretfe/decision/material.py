@@ -1,0 +1,130 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Fatigue data of a material file in the units of results."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fretfe.case import AnyBody, Units, isotropic
+from fretfe.case.fatigue import Fatigue, GrowthTable, ThresholdTable
+from fretfe.case.materials import read_material
+from fretfe.case.messages import complaint
+from fretfe.case.units import METRES, STRESSES
+from fretfe.decision.thresholds import FatigueLimit, GrowthLaw, Threshold
+from fretfe.errors import CaseError
+
+# A body is of the material if Young's modulus agrees to this fraction, and Poisson's ratio to this
+# difference, with any that the file has.
+YOUNG = 0.05
+POISSON = 0.02
+
+
+@dataclass(frozen=True)
+class FatigueData:
+    """Fatigue data of a material; None of what is not known.
+
+    Attributes:
+        path: of its file.
+        source: of the numbers, in words.
+        young, poisson: least and largest values that the file has.
+        limit: of smooth specimens under push and pull.
+        torsion: amplitude endured under reversed torsion.
+        threshold: ΔK_th.
+        growth: of long cracks.
+        lengths: between which a life is asked for.
+    """
+
+    path: Path
+    source: str
+    young: tuple[float, float] | None
+    poisson: tuple[float, float] | None
+    limit: FatigueLimit | None
+    torsion: float | None
+    threshold: Threshold | None
+    growth: GrowthLaw | None
+    lengths: tuple[float, float] | None
+
+    def disagreement(self, body: AnyBody) -> str:
+        """Reason why a body is not of this material, or an empty text."""
+        own = isotropic(body)
+        if own is None:
+            return "the body is a crystal"
+        if self.young is None or self.poisson is None:
+            return ""
+        low, high = self.young
+        if not low * (1 - YOUNG) <= own.young <= high * (1 + YOUNG):
+            return f"the body has E = {own.young:.4g}, the material {low:.4g} to {high:.4g}"
+        low, high = self.poisson
+        if not low - POISSON <= own.poisson <= high + POISSON:
+            return f"the body has ν = {own.poisson:.4g}, the material {low:.4g} to {high:.4g}"
+        return ""
+
+
+def fatigue_data(path: Path, units: Units) -> FatigueData:
+    """Read the fatigue data of a material file.
+
+    Args:
+        path: of the file.
+        units: of the results, whose labels must be known.
+
+    Raises:
+        CaseError: file and key of what is not as expected.
+    """
+    read = read_material(path)
+    table = read.fatigue
+    if table is None:
+        raise CaseError(complaint(path, ("fatigue",), "expected a table of data, found none"))
+    for key, known in (("stress", STRESSES), ("length", METRES)):
+        if getattr(units, key) not in known:
+            text = (
+                f"expected results whose unit of {key} is known ({', '.join(known)}), to which the "
+                f"data are converted, found {getattr(units, key)!r}"
+            )
+            raise CaseError(complaint(path, ("fatigue", "units", key), text))
+    stress = STRESSES[table.units.stress] / STRESSES[units.stress]
+    length = METRES[table.units.length] / METRES[units.length]
+    intensity = stress * length**0.5
+    elastic = STRESSES[read.units.stress] / STRESSES[units.stress]
+    limit, growth = table.limit, table.growth
+    return FatigueData(
+        path=path,
+        source=table.source,
+        young=_span(read.young, elastic),
+        poisson=_span(read.poisson, 1.0),
+        limit=None if limit is None else FatigueLimit(limit.range * stress, limit.ratio),
+        torsion=None if table.torsion is None else table.torsion * stress,
+        threshold=_threshold(table, intensity),
+        growth=None if growth is None else _growth(growth, intensity, length),
+        lengths=None if growth is None else (growth.start * length, growth.end * length),
+    )
+
+
+def _span(given: Any, scale: float) -> tuple[float, float] | None:
+    """Least and largest value of a number, or of a table over temperature; None without."""
+    values = given.get("values", ()) if isinstance(given, Mapping) else [given]
+    numbers = [scale * each for each in values if isinstance(each, int | float)]
+    return (min(numbers), max(numbers)) if numbers else None
+
+
+def _threshold(table: Fatigue, scale: float) -> Threshold | None:
+    match table.threshold:
+        case ThresholdTable(range=float(one), ratio=float(ratio), walker=float(walker)):
+            return Threshold(np.array([ratio]), np.array([one * scale]), walker)
+        case ThresholdTable(ratios=tuple(ratios), ranges=tuple(ranges)):
+            return Threshold(np.array(ratios), np.array(ranges) * scale)
+    return None
+
+
+def _growth(table: GrowthTable, intensity: float, length: float) -> GrowthLaw:
+    ranges = np.array(table.ranges)
+    if table.rates is not None:
+        law = GrowthLaw(ranges, np.array(table.rates))
+    else:
+        assert table.factor is not None and table.exponent is not None
+        law = GrowthLaw.paris(table.factor, table.exponent, (ranges[0], ranges[1]))
+    return GrowthLaw(law.ranges * intensity, law.rates * length)
