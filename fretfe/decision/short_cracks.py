@@ -52,16 +52,17 @@ class CrackDrive:
     ratios: Array
 
 
-def crack_drive(field: EdgeField, angles: Array = ANGLES) -> CrackDrive:
+def crack_drive(field: EdgeField, shortest: float = 0.0, angles: Array = ANGLES) -> CrackDrive:
     """The drive of cracks from the mouth of a field, from an element to all that is known.
 
     Args:
         field: without cracks.
+        shortest: length, if that is longer than an element.
         angles: (A,) in degrees, up to 80.
     """
     turns = np.radians(angles)
     reaches = [field.reach(float(each)) for each in turns]
-    lengths = np.geomspace(field.size, max(reaches), LENGTHS)
+    lengths = np.geomspace(max(field.size, shortest), max(reaches), LENGTHS)
     factors = np.full((2, len(field.states), len(angles), LENGTHS), np.nan)
     for place, (turn, reach) in enumerate(zip(turns, reaches, strict=True)):
         inside = lengths <= reach * (1 + 1e-9)
@@ -96,7 +97,7 @@ class Arrest:
         longest: of the lengths at this angle.
         margin: factor of all stresses up to which cracks stop within these lengths; infinite where
             the stress of any factor closes them.
-        start: factor up to which no crack of the shortest length, an element, grows at any angle.
+        start: factor up to which no crack of the shortest length grows at any angle.
         place: length at which the drive is least against its threshold.
         a0: of short cracks.
         drive: (C,) ΔK over its threshold at this angle; NaN beyond `longest`.
@@ -128,18 +129,25 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
     if (lost := known & ~np.isfinite(long)).any():
         return f"the threshold is not known at R = {drive.ratios[lost].max():.2g} of a crack"
     relative = drive.ranges / short_threshold(drive.lengths, long, a0)
-    least = np.array([np.nanmin(each) if np.isfinite(each).any() else -1.0 for each in relative])
-    worst = int(np.argmax(least))
-    own = relative[worst]
-    at = int(np.nanargmin(own))
-    longest, first = float(drive.lengths[known[worst]][-1]), float(np.nanmax(relative[:, 0]))
+    worst, least, stop = max(
+        (_least(drive, relative, int(each)) for each in np.flatnonzero(known.any(axis=1))),
+        key=lambda each: each[1:],
+    )
+    own, first = relative[worst], float(np.nanmax(relative[:, 0]))
     return Arrest(
         angle=float(drive.angles[worst]),
-        length=arrest_length(drive.lengths[known[worst]], own[known[worst]]),
-        longest=longest,
-        margin=1 / least[worst] if least[worst] > 0 else math.inf,
+        length=stop,
+        longest=float(drive.lengths[known[worst]][-1]),
+        margin=1 / least if least > 0 else math.inf,
         start=1 / first if first > 0 else math.inf,
-        place=float(drive.lengths[at]),
+        place=float(drive.lengths[int(np.nanargmin(own))]),
         a0=a0,
         drive=own,
     )
+
+
+def _least(drive: CrackDrive, relative: Array, place: int) -> tuple[int, float, float]:
+    """Number of an angle, the least drive there over its threshold, and where a crack stops."""
+    known = np.isfinite(relative[place])
+    own = relative[place, known]
+    return place, float(own.min()), arrest_length(drive.lengths[known], own)

@@ -46,7 +46,7 @@ def under_tension(tension: Array) -> EdgeField:
 
 
 def test_uniform_tension_at_any_angle() -> None:
-    drive = crack_drive(under_tension(np.array([0.0, 100.0])), np.array([-45.0, 0.0, 45.0]))
+    drive = crack_drive(under_tension(np.array([0.0, 100.0])), angles=np.array([-45.0, 0.0, 45.0]))
     scale = 100 * np.sqrt(np.pi * drive.lengths)
     # Places at which the stress is known limit slanted cracks no less than straight ones.
     assert np.isfinite(drive.k_1[1]).all(axis=1).tolist() == [True, False, True]
@@ -60,7 +60,7 @@ def test_uniform_tension_at_any_angle() -> None:
 def test_a_crack_below_an_edge_by_points_of_its_own() -> None:
     """Interpolated along the ray as well as at the places of the quadrature themselves."""
     field = field_of(0, 1)
-    drive = crack_drive(field, np.array([20.0]))
+    drive = crack_drive(field, angles=np.array([20.0]))
     cracks = EdgeCracks.of(np.radians([20.0]))
     lengths = drive.lengths[[3, 15, 30]]
     points = cracks.points(lengths)

@@ -1,0 +1,369 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Margins of the edges of plane contacts by each criterion that the data at hand allow.
+
+A margin is the factor of all stresses up to which the criterion is kept. Each criterion asks
+another question: tests of fretting, the arrest of cracks that have started, the endurance of smooth
+specimens under the stress at a critical distance. Where one of them cannot be answered, it says
+why; nothing is extrapolated.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import dataclass
+from enum import Enum
+from pathlib import Path
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Body, isotropic
+from fretfe.decision.endurance import (
+    Distance,
+    ShearAndPressure,
+    crossland,
+    dang_van,
+    distance_points,
+)
+from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.material import FatigueData, fatigue_data
+from fretfe.decision.short_cracks import Arrest, CrackDrive, crack_drive, judge_arrest
+from fretfe.decision.thresholds import critical_length, growth_life, short_length
+from fretfe.errors import CaseError
+from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.critical_planes import find_critical, findley, smith_watson_topper
+from fretfe.results.model import Result
+from fretfe.strength.margins import Margin, result_labels, strength_map
+
+# Places along the surface at which critical distances are looked at, from five of them outside the
+# edge to two inside, or to the end of the slip zone.
+PLACES = 22
+OUTSIDE = 5.0
+INSIDE = 2.0
+# Cracks are looked at from this part of a0 on, if elements are not larger: the threshold is then
+# that of the fatigue limit to 5 %.
+SHORTEST = 0.1
+
+
+class Criterion(Enum):
+    """Criteria, in the order in which they are listed."""
+
+    TESTS = "fretting tests"
+    ARREST = "arrest of cracks"
+    POINT = "SWT, point"
+    LINE = "SWT, line"
+    AREA = "SWT, area"
+    CROSSLAND = "Crossland, point"
+    DANG_VAN = "Dang Van, point"
+    FINDLEY = "Findley, point"
+
+
+METHODS: dict[Criterion, Distance] = {
+    Criterion.POINT: "point",
+    Criterion.LINE: "line",
+    Criterion.AREA: "area",
+}
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """The answer of one criterion.
+
+    Attributes:
+        criterion: of it.
+        margin: factor of all stresses; NaN where unknown, infinite where no factor breaks it.
+        low, high: ends of an interval that holds it: by the bars of the edge and of the stress, of
+            tests by their scatter too; NaN where unknown.
+        place: worst place along the surface, inward from the edge; NaN where it is the edge.
+        reason: why the margin is unknown; empty if it is known.
+    """
+
+    criterion: Criterion
+    margin: float = math.nan
+    low: float = math.nan
+    high: float = math.nan
+    place: float = math.nan
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class EdgeAssessment:
+    """One body at one edge.
+
+    Attributes:
+        contact, edge, body: their names.
+        judgements: one for each criterion, in the order of `Criterion`.
+        arrest: of cracks; None where it is not known.
+        life: cycles of a crack between the lengths of the material file; NaN where unknown.
+        bar: relative error of stresses by the bars of K_N, ΔK_T and of the stress beside the
+            tractions; NaN where one of them is unknown.
+    """
+
+    contact: str
+    edge: str
+    body: str
+    judgements: tuple[Judgement, ...]
+    arrest: Arrest | None
+    life: float
+    bar: float
+
+    @property
+    def governing(self) -> Judgement | None:
+        """The one with the smallest margin; None if none is known."""
+        known = [each for each in self.judgements if not each.reason]
+        return min(known, key=lambda each: each.margin, default=None)
+
+    def of(self, criterion: Criterion) -> Judgement:
+        """The answer of one criterion."""
+        return next(each for each in self.judgements if each.criterion is criterion)
+
+
+@dataclass(frozen=True)
+class Assessment:
+    """All edges of a result.
+
+    Attributes:
+        result: its folder.
+        material: file of the data.
+        source: of them.
+        length: L of critical distances; NaN where unknown.
+        edges: of both bodies of each contact.
+        remarks: what to know about all of it.
+    """
+
+    result: str
+    material: Path
+    source: str
+    length: float
+    edges: tuple[EdgeAssessment, ...]
+    remarks: tuple[str, ...]
+
+    @property
+    def worst(self) -> tuple[EdgeAssessment, Judgement] | None:
+        """The edge with the smallest margin and that; None if none is known."""
+        known = [(each, each.governing) for each in self.edges]
+        found = [(edge, judgement) for edge, judgement in known if judgement is not None]
+        return min(found, key=lambda each: each[1].margin, default=None)
+
+
+def assess(
+    result: Result,
+    material: Path | str,
+    tests: Path | str | None = None,
+    life: float | None = None,
+) -> Assessment:
+    """Judge the edges of plane contacts by all criteria that the data allow.
+
+    Args:
+        result: with the stress of its bodies, if these are meshed.
+        material: file with a table `[fatigue]`.
+        tests: CSV file of fretting tests.
+        life: cycles that the tests are asked for; given with these, and only then.
+
+    Raises:
+        CaseError: if a file is not as expected, bodies are solids, or only one of tests and life is
+            given.
+    """
+    if (tests is None) != (life is None):
+        raise CaseError("expected a file of tests together with a life, found only one of them")
+    if result.solid:
+        raise CaseError("expected results of plane bodies, found solids")
+    data = fatigue_data(Path(material), result.case.units)
+    margins: dict[tuple[str, str], Margin] = {}
+    if tests is not None and life is not None:
+        found = strength_map(tests, [result], life).margins
+        margins = {(each.edge.contact, each.edge.edge): each for each in found}
+    edges = tuple(_edges(result, data, margins))
+    return Assessment(
+        result=result_labels([result])[0],
+        material=data.path,
+        source=data.source,
+        length=_length(data),
+        edges=edges,
+        remarks=tuple(_remarks(result, data, edges)),
+    )
+
+
+def _length(data: FatigueData) -> float:
+    if data.threshold is None or data.limit is None:
+        return math.nan
+    return critical_length(data.threshold, data.limit)
+
+
+def _edges(
+    result: Result, data: FatigueData, margins: dict[tuple[str, str], Margin]
+) -> Iterator[EdgeAssessment]:
+    for contact in result.contacts:
+        pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
+        for station in contact.edges:
+            margin = margins.get((contact.name, station.front))
+            by_tests = _by_tests(margin, given=bool(margins))
+            for number, body in enumerate((pair.body1, pair.body2)):
+                reason = data.disagreement(result.case.bodies[body])
+                field = reason or edge_field(result, contact, station, number)
+                yield _edge(result, (contact, station, body), data, field, by_tests)
+
+
+def _edge(
+    result: Result,
+    at: tuple[Contact, Station, str],
+    data: FatigueData,
+    field: EdgeField | str,
+    by_tests: Judgement,
+) -> EdgeAssessment:
+    contact, station, name = at
+    if isinstance(field, str):
+        others = [Judgement(each, reason=field) for each in list(Criterion)[1:]]
+        return EdgeAssessment(
+            contact.name, station.front, name, (by_tests, *others), None, math.nan, math.nan
+        )
+    bar = _bar(field, station)
+    body = isotropic(result.case.bodies[name])
+    assert body is not None
+    arrest, life = _arrest(field, data)
+    judgements = [by_tests, _by_arrest(arrest, bar)]
+    judgements += _by_distances(field, station, data, body, bar)
+    known = None if isinstance(arrest, str) else arrest
+    return EdgeAssessment(contact.name, station.front, name, tuple(judgements), known, life, bar)
+
+
+def _bar(field: EdgeField, station: Station) -> float:
+    """Relative error of the stress: in proportion to ΔK_T and K_N, and what is smooth."""
+    k_n, spread = station.decisive_k_n
+    stress = field.along(0.0, np.array([field.size]))[:, 0, 0]
+    largest = float(np.abs(stress).max()) or math.nan
+    of_range = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
+    return math.hypot(of_range, spread / k_n, field.smooth.spread / largest)
+
+
+def _with_bar(
+    criterion: Criterion, margin: float, bar: float, place: float = math.nan
+) -> Judgement:
+    low, high = margin * max(1 - bar, 0.0), margin * (1 + bar)
+    return Judgement(criterion, margin, low, high, place)
+
+
+def _by_tests(margin: Margin | None, *, given: bool) -> Judgement:
+    if margin is None:
+        reason = "the tests have no margin for it" if given else "no fretting tests are given"
+        return Judgement(Criterion.TESTS, reason=reason)
+    if margin.reason:
+        return Judgement(Criterion.TESTS, reason=margin.reason)
+    return Judgement(Criterion.TESTS, margin.margin, margin.low, margin.high)
+
+
+def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
+    """Arrest of cracks, and the life between two lengths at the worst angle."""
+    if data.threshold is None or data.limit is None:
+        return "fatigue.threshold and fatigue.limit are not both given", math.nan
+    drive = crack_drive(field, SHORTEST * short_length(data.threshold, data.limit))
+    found = judge_arrest(drive, data.threshold, data.limit)
+    if isinstance(found, str) or data.growth is None or data.lengths is None:
+        return found, math.nan
+    return found, _life(drive, found, data)
+
+
+def _life(drive: CrackDrive, arrest: Arrest, data: FatigueData) -> float:
+    """Cycles between the lengths of the material file; infinite if the crack stops before."""
+    assert data.growth is not None and data.lengths is not None
+    if arrest.length < data.lengths[1]:
+        return math.inf
+    ranges = drive.ranges[int(np.argmin(np.abs(drive.angles - arrest.angle)))]
+    known = np.isfinite(ranges)
+    return growth_life(drive.lengths[known], ranges[known], data.growth, *data.lengths)
+
+
+def _by_arrest(arrest: Arrest | str, bar: float) -> Judgement:
+    if isinstance(arrest, str):
+        return Judgement(Criterion.ARREST, reason=arrest)
+    return _with_bar(Criterion.ARREST, arrest.margin, bar)
+
+
+def _by_distances(
+    field: EdgeField, station: Station, data: FatigueData, body: Body, bar: float
+) -> Iterator[Judgement]:
+    length = _length(data)
+    reason = ""
+    if not math.isfinite(length) or data.limit is None:
+        reason = "the critical distance needs fatigue.threshold and fatigue.limit, at one R"
+    elif 2 * length > field.reach(0.0):
+        reason = (
+            f"the stress is needed down to {2 * length:.3g} and known to {field.reach(0.0):.3g}"
+        )
+    if reason or data.limit is None:
+        yield from (Judgement(each, reason=reason) for each in list(Criterion)[2:])
+        return
+    places = _places(field, station, length)
+    limit = data.limit.stress_range**2 / (1 - data.limit.ratio) / (2 * body.young)
+    for criterion, method in METHODS.items():
+        stress = _mean(field, places, method, length)
+        found = find_critical(stress, _strain(stress, body), smith_watson_topper).value
+        at = int(np.argmax(found))
+        margin = math.sqrt(limit / found[at]) if found[at] > 0 else math.inf
+        yield _with_bar(criterion, margin, bar, float(places[at]))
+    yield from _by_endurance(_mean(field, places, "point", length), places, data, body, bar)
+
+
+def _places(field: EdgeField, station: Station, length: float) -> Array:
+    """(PLACES,) x along the surface."""
+    outward, inward = field.smooth.widest
+    zone = station.longest_zone
+    slip = 0.0 if zone is None or not math.isfinite(zone.length) else zone.length
+    return np.linspace(
+        -min(OUTSIDE * length, outward), min(max(INSIDE * length, slip), inward), PLACES
+    )
+
+
+def _mean(field: EdgeField, places: Array, method: Distance, length: float) -> Array:
+    """(n, PLACES, 6) mean stress below places of the surface, as of `critical_planes.PAIRS`."""
+    below, weights = distance_points(method, length)
+    points = np.stack([places, np.zeros_like(places)], axis=1)[:, None] + below
+    stress = field.stress(points.reshape(-1, 2)).reshape(-1, len(places), len(weights), 4)
+    found = np.zeros((len(stress), len(places), 6))
+    found[..., :4] = np.einsum("npmc,m->npc", stress, weights)
+    return found
+
+
+def _strain(stress: Array, body: Body) -> Array:
+    """(n, M, 6) elastic strain, components of the tensor."""
+    strain = (1 + body.poisson) / body.young * stress
+    strain[..., :3] -= body.poisson / body.young * stress[..., :3].sum(axis=2, keepdims=True)
+    return np.asarray(strain)
+
+
+def _by_endurance(
+    stress: Array, places: Array, data: FatigueData, body: Body, bar: float
+) -> Iterator[Judgement]:
+    """By the criteria that need limits of reversed tension and of reversed torsion."""
+    criteria = Criterion.CROSSLAND, Criterion.DANG_VAN, Criterion.FINDLEY
+    if data.torsion is None or data.limit is None:
+        yield from (Judgement(each, reason="fatigue.torsion is not given") for each in criteria)
+        return
+    tension, torsion = data.limit.tension, data.torsion
+    # Both limits give the same value on the plane where that is largest.
+    excess = 2 - tension / torsion
+    k = excess / (2 * math.sqrt(1 - excess))
+    values = (
+        crossland(stress, ShearAndPressure.crossland(tension, torsion)),
+        dang_van(stress, ShearAndPressure.dang_van(tension, torsion)),
+        find_critical(stress, _strain(stress, body), findley(k)).value
+        / (torsion * math.sqrt(1 + k**2)),
+    )
+    for criterion, found in zip(criteria, values, strict=True):
+        at = int(np.argmax(found))
+        margin = 1 / float(found[at]) if found[at] > 0 else math.inf
+        yield _with_bar(criterion, margin, bar, float(places[at]))
+
+
+def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:
+    """What the margins leave out, in words."""
+    yield "friction is taken as it is given: run other coefficients to see what it changes"
+    if unsteady := [each.name for each in result.contacts if not each.steady]:
+        yield f"the cycle is not steady: {', '.join(unsteady)}"
+    if any(each.cycles.irregular for contact in result.contacts for each in contact.stations):
+        yield "the loads are irregular: judged are the states through the worst counted cycle"
+    if result.backend == "halfplane":
+        yield "the bodies are half-planes: what their shape adds to the stress is left out"
+    if data.growth is None and any(each.arrest is not None for each in edges):
+        yield "no life of cracks: fatigue.growth is not given"
