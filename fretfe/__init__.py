@@ -17,6 +17,7 @@ API = (
     "Comparison",
     "Observer",
     "Result",
+    "assess",
     "check",
     "compare",
     "compare_tests",

@@ -16,6 +16,7 @@ from fretfe.backends import Observer
 from fretfe.backends.protocol import SILENT
 from fretfe.case import Case, load_case
 from fretfe.checked import Checked, check, make_mesh
+from fretfe.decision.assess import Assessment, assess
 from fretfe.errors import OutputError
 from fretfe.exchange.comparison import Comparison, compare
 from fretfe.exchange.export import export_result
@@ -35,6 +36,7 @@ if TYPE_CHECKING:
     from fretfe.exchange.submodel import Submodel
 
 __all__ = [
+    "Assessment",
     "Checked",
     "Comparison",
     "Observer",
@@ -43,6 +45,7 @@ __all__ = [
     "Sweep",
     "Validation",
     "Verification",
+    "assess",
     "check",
     "compare",
     "compare_tests",

@@ -17,7 +17,7 @@ from typing import Annotated
 
 import typer
 
-from fretfe.cli import exchange, laboratory, lists, meshes, other_models, run
+from fretfe.cli import decision, exchange, laboratory, lists, meshes, other_models, run
 from fretfe.environment import (
     memory_shortage,
     missing_folder,
@@ -38,7 +38,7 @@ HELP = """Edge factors and slip zones of two-body fretting contacts, by finite e
 EXIT_CODES = """\b
 Exit codes:
   0  success
-  1  unexpected error (a bug), or a comparison of validate or verify fails
+  1  unexpected error (a bug), or a comparison of validate or verify, or a margin, fails
   2  the case file or the command line is wrong
   3  the geometry, the mesh or the physical groups are wrong
   4  the model is wrong: nothing holds a body, or surfaces never meet
@@ -104,6 +104,7 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (other_models.joint, other_models.JOINT_EXAMPLES),
     (exchange.submodel, exchange.SUBMODEL_EXAMPLES),
     (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
+    (decision.assess, decision.ASSESS_EXAMPLES),
     (lists.animate, lists.ANIMATE_EXAMPLES),
     (lists.scene, lists.SCENE_EXAMPLES),
     (lists.info, lists.INFO_EXAMPLES),

@@ -11,9 +11,10 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import Enum
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -33,6 +34,7 @@ from fretfe.decision.thresholds import critical_length, growth_life, short_lengt
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import find_critical, findley, smith_watson_topper
+from fretfe.files import json_value
 from fretfe.results.model import Result
 from fretfe.strength.margins import Margin, result_labels, strength_map
 
@@ -44,6 +46,12 @@ INSIDE = 2.0
 # Cracks are looked at from this part of a0 on, if elements are not larger: the threshold is then
 # that of the fatigue limit to 5 %.
 SHORTEST = 0.1
+
+
+SCHEMA = {"name": "fretfe-assessment", "version": 1}
+# Attributes of an edge and of a judgement, which are keys of the file.
+OF_EDGE = ("contact", "edge", "body", "life", "bar")
+OF_JUDGEMENT = ("margin", "low", "high", "place", "reason")
 
 
 class Criterion(Enum):
@@ -367,3 +375,36 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
         yield "the bodies are half-planes: what their shape adds to the stress is left out"
     if data.growth is None and any(each.arrest is not None for each in edges):
         yield "no life of cracks: fatigue.growth is not given"
+
+
+def assessment_numbers(found: Assessment) -> dict[str, Any]:
+    """The margins in the types of JSON; null for what is unknown, or infinite without a reason."""
+    worst = found.worst
+    return {
+        "schema": SCHEMA,
+        "result": found.result,
+        "material": str(found.material),
+        "source": found.source,
+        "critical_length": json_value(found.length),
+        "worst": None
+        if worst is None
+        else {
+            **{name: getattr(worst[0], name) for name in ("contact", "edge", "body")},
+            "criterion": worst[1].criterion.value,
+            "margin": json_value(worst[1].margin),
+        },
+        "edges": [
+            {
+                **{name: json_value(getattr(edge, name)) for name in OF_EDGE},
+                "arrest": None if edge.arrest is None else json_value(asdict(edge.arrest)),
+                "criteria": {
+                    each.criterion.value: {
+                        name: json_value(getattr(each, name)) for name in OF_JUDGEMENT
+                    }
+                    for each in edge.judgements
+                },
+            }
+            for edge in found.edges
+        ],
+        "remarks": list(found.remarks),
+    }
