@@ -23,7 +23,14 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
-from matplotlib.ticker import FuncFormatter, LogLocator, MaxNLocator
+from matplotlib.ticker import (
+    AutoLocator,
+    FuncFormatter,
+    LogLocator,
+    MaxNLocator,
+    NullFormatter,
+    NullLocator,
+)
 
 from fretfe._typing import Array, Indices
 from fretfe.files import replacing
@@ -121,6 +128,10 @@ FRAMED: Any = {
     "legend.fontsize": 8.0,
     "legend.handlelength": 3.0,
 }
+# Intervals of linear axes: ticks take longer than anything else in a plot.
+TICKS = 5
+# Marks of nodes that lie closer than this part of a panel's diagonal are not drawn.
+SPARSE = 0.012
 # A logarithmic axis over less than this factor has numbers between the powers of ten.
 FEW_DECADES = 200
 # Dots per inch of everything but images in an SVG file.
@@ -170,6 +181,9 @@ def make_figure(width: float, height: float, draw: Callable[[Figure], None]) -> 
         figure = Figure(figsize=(width, height), layout="constrained")
         draw(figure)
         for axes in figure.axes:
+            for axis in (axes.xaxis, axes.yaxis):
+                if isinstance(locator := axis.get_major_locator(), AutoLocator):
+                    locator.set_params(nbins=TICKS)
             for spine in axes.spines.values():
                 # It ends where its axes do; to find that out takes its ticks anew each time.
                 spine.set_in_layout(False)
@@ -246,7 +260,9 @@ def log_axis(axes: Axes, which: str) -> None:
     few = high < FEW_DECADES * low
     axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if few else (1.0,), numticks=7))
     axis.set_major_formatter(FuncFormatter(lambda value, _: _power(value)))
-    axis.set_minor_formatter(FuncFormatter(lambda *_: ""))
+    # No more than show the axis to be logarithmic.
+    axis.set_minor_locator(NullLocator() if few else LogLocator(subs=(2.0, 5.0), numticks=7))
+    axis.set_minor_formatter(NullFormatter())
 
 
 def _power(value: float) -> str:
@@ -261,7 +277,7 @@ def _power(value: float) -> str:
 def plain_axis(axes: Axes, which: str) -> None:
     """A linear axis, "x" or "y", with whole numbers at its ticks: no factor or offset aside."""
     axis = getattr(axes, f"{which}axis")
-    axis.set_major_locator(MaxNLocator(5))
+    axis.set_major_locator(MaxNLocator(TICKS))
     axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
 
 

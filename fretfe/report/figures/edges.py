@@ -49,6 +49,7 @@ from fretfe.report.theme import (
     ORANGE,
     PALE,
     SINGLE,
+    SPARSE,
     TRIPLE,
     VERMILLION,
     Plot,
@@ -199,7 +200,8 @@ def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
     s, inside, half_width = _behind(shown, near)
     line = np.geomspace(s[inside].min(), half_width, 60)
     p = shown.tractions.mean_traction[near.later, inside, 0]
-    top.plot(s[inside], _positive(p), ".-", ms=4, lw=0.8, color=BLUE, label="p, mean at the nodes")
+    nodes: Any = {"ms": 4, "lw": 0.8, "color": BLUE, "markevery": SPARSE}
+    top.plot(s[inside], _positive(p), ".-", label="p, mean at the nodes", **nodes)
     top.plot(
         line, near.edge.k_n[near.later] * np.sqrt(line), "--", color=VERMILLION, label="K_N √s"
     )
@@ -231,7 +233,8 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     cyclic = shown.run.loads.cycle is not None
     bound = friction * (after[:, 0] + before[:, 0] * cyclic)
     s = s[inside]
-    axes.plot(s, _positive(change), ".-", ms=4, lw=1.2, color=BLUE, label="change of q")
+    nodes: Any = {"ms": 4, "lw": 1.2, "color": BLUE, "markevery": SPARSE}
+    axes.plot(s, _positive(change), ".-", label="change of q", **nodes)
     axes.plot(s, _positive(bound), ":", color=GREY, label="friction bound")
     solution = shown.run.solution
     stuck = _stuck_change(solution, shown, near)

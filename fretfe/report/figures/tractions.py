@@ -37,6 +37,7 @@ from fretfe.report.theme import (
     PALE,
     SINGLE,
     SKY,
+    SPARSE,
     VERMILLION,
     WIDTH,
     Plot,
@@ -210,7 +211,8 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     panels = figure.subplots(2, 2, sharex="col", sharey="row")
     for (top, bottom), _, (low, high) in _edge_columns(panels, shown, labels):
         seen = (arc >= low) & (arc <= high)
-        top.plot(arc[seen], found.slip_range[seen] / scale, ".-", color=BLUE, lw=1.2, ms=4)
+        slip = found.slip_range[seen] / scale
+        top.plot(arc[seen], slip, ".-", color=BLUE, lw=1.2, ms=4, markevery=SPARSE)
         for values, colour, style, label in (
             (found.work, BLUE, "-", "friction work"),
             (found.pressed_path, GREEN, "--", "p times slip"),
