@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -220,7 +220,11 @@ def _gauge(points: Array, places: Array) -> Array:
 
 
 def read_points(
-    path: Path, dimension: int, columns: Sequence[str], least: float = -np.inf
+    path: Path,
+    dimension: int,
+    columns: Sequence[str],
+    units: Mapping[str, str],
+    least: float = -np.inf,
 ) -> PointValues:
     """Points and a value, or a vector, at each of them from the columns of a CSV file.
 
@@ -228,6 +232,7 @@ def read_points(
         path: of the file; its other columns do not matter, nor do lines that begin with #.
         dimension: number of coordinates, columns x, y and, of solids, z.
         columns: that have the values, one, or one for each component.
+        units: in which columns must be, by name, if the file says in which they are.
         least: that they may be.
 
     Raises:
@@ -235,6 +240,7 @@ def read_points(
     """
     axes = AXES[:dimension]
     table = read_table(path, (*axes, *columns))
+    table.require_units(units)
     points = np.stack([table.columns[axis] for axis in axes], axis=1)
     if len(points) < 2:
         raise CaseError(f"{path}: expected at least 2 points, found {len(points)}")

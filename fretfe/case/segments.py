@@ -83,8 +83,15 @@ class CsvPoints(Table):
         "file."
     )
     time: Text = Field(description="Name of the column with the times (absolute, increasing).")
-    value: Text = Field(description="Name of the column with the values.")
-    scale: Number = Field(default=1.0, description="Factor of the values of the file.")
+    value: Text = Field(
+        description="Name of the column with the values. A unit that the file states in brackets, "
+        "or in a row below the header, must be that of the load."
+    )
+    scale: Number = Field(
+        default=1.0,
+        description="Factor of the values of the file; with another one than 1 they may be in any "
+        "unit.",
+    )
     offset: Number = Field(
         default=0.0, description="Added to the values after they have been multiplied by scale."
     )

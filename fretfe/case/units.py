@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
@@ -37,6 +38,9 @@ STRESSES = {"Pa": 1.0, "kPa": 1e3, "MPa": 1e6, "N/mm^2": 1e6, "N/mm²": 1e6, "GP
 STRESSES |= {"psi": PSI, "ksi": 1e3 * PSI, "Msi": 1e6 * PSI}
 DENSITIES = {"kg/m^3": 1.0, "g/cm^3": 1e3, "t/mm^3": 1e12, "lb/in^3": POUND / INCH**3}
 TIMES = {"s": 1.0, "ms": 1e-3, "min": 60.0, "h": 3600.0}
+# Other ways to write units.
+SYNONYMS = {"": "1", "-": "1", "sec": "s", "C": "°C", "degC": "°C", "um": "µm", "inch": "in"}
+SYNONYMS |= {"N/mm^2": "MPa"}
 # Labels without a table.
 LENGTH = "mm"
 FORCE = "N"
@@ -59,6 +63,39 @@ def _stress(length: Any, force: Any) -> float | None:
     if not (known and length in METRES and force in FORCES):
         return None
     return FORCES[force] / METRES[length] ** 2
+
+
+def unit_size(unit: str) -> tuple[float, str] | None:
+    """Size of a unit in SI, and of what; None if it is not known."""
+    written = unit.strip("[](){}<>\"' ")
+    of_kinds = (("stress", STRESSES), ("force", FORCES), ("length", METRES), ("time", TIMES))
+    for of, known in of_kinds:
+        if written in known:
+            return known[written], of
+    force, _, length = (each.strip() for each in written.partition("/"))
+    if force in FORCES and length in METRES:
+        return FORCES[force] / METRES[length], "force/length"
+    return None
+
+
+def same_unit(one: str, two: str) -> bool:
+    """True if two units are written alike but for roots, products, brackets and spaces."""
+    return _unit(one) == _unit(two)
+
+
+def equal_units(one: str, two: str) -> bool:
+    """True if two units are written alike, or known to be of the same size."""
+    own, other = unit_size(one), unit_size(two)
+    if own is None or other is None or own[1] != other[1]:
+        return same_unit(one, two)
+    return abs(own[0] / other[0] - 1) < SAME_UNIT
+
+
+def _unit(text: str) -> str:
+    text = re.sub(r"√\(?([^\s)·*/]+)\)?|sqrt\(([^)]*)\)", r"\1\2^0.5", text)
+    text = re.sub(r"[\s·*]+", "*", text.strip()).replace("^(1/2)", "^0.5").replace("**", "^")
+    bare = re.sub(r"[\[\](){}<>\"']", "", text).replace("²", "^2").replace("μ", "µ")
+    return SYNONYMS.get(bare, bare)
 
 
 class Units(Table):

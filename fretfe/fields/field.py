@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
+from types import MappingProxyType
 from typing import Literal
 
 import numpy as np
@@ -75,6 +76,7 @@ class Field:
         cells: elements between the points; None if the file has none.
         rounding: of the values, relative; 0 if it is not known.
         numbered: whether the times are numbers of steps.
+        stated: units of columns of a table by their names, where it states them.
     """
 
     points: Array
@@ -83,6 +85,7 @@ class Field:
     cells: Cells | None = None
     rounding: float = 0.0
     numbered: bool = False
+    stated: Mapping[str, str] = MappingProxyType({})
 
 
 def rounding_of(values: Array) -> float:
@@ -256,6 +259,7 @@ def _read_csv(path: Path, quantity: Quantity, arrays: Names) -> Field:
         lambda step: values[rows[step]],
         rounding=rounding_of(values),
         numbered="step" in columns,
+        stated=table.stated,
     )
 
 

@@ -22,6 +22,7 @@ import numpy as np
 from fretfe._typing import Array, Bools
 from fretfe.case.base import LARGEST
 from fretfe.case.messages import shortened
+from fretfe.case.units import equal_units
 from fretfe.errors import CaseError
 from fretfe.files import MOST_ROWS, require_file
 
@@ -39,8 +40,14 @@ UNITS = frozenset(
 )
 # A name with a unit behind it.
 BRACKETED = re.compile(r"(.*\S)\s*\[(.*)\]")
+# A name that has brackets at its end.
+ENDING = re.compile(r".*\S\s*[\[(]([^\[\]()]*)[\])]")
 # Numbers nearer to zero have lost digits: they are remains of something else.
 SMALLEST_CELL = 1e-300
+
+
+# Units of columns by their names, one or several that are the same.
+Stated = Mapping[str, str | tuple[str, ...]]
 
 
 class _NoCells(CaseError):
@@ -56,7 +63,8 @@ class Table:
         columns: by name.
         lines: of the rows.
         units: cells of a row of units below the header; none without. Nothing is converted.
-        stated: by column, the unit in brackets behind its name, or in a row below the header.
+        stated: by column, the unit in brackets behind its name, or at its end, or in a row below
+            the header.
         marked: (n,) rows with a mark in the column that may have one; (0,) if none may.
     """
 
@@ -79,16 +87,9 @@ class Table:
             row = int(wrong[0]) + 1
             self.complain(row, name, f"a {what} after {values[row - 1]:g}")
 
-    def require_units(self, units: Mapping[str, str]) -> None:
-        """Check that columns are in some units, by name, where the file says in which they are.
-
-        Raises:
-            CaseError: names the first one that is not.
-        """
-        for name, unit in self.stated.items():
-            if unit != units.get(name, unit):
-                expected = f"expected {name} in {units[name]}, found {name} in {unit}"
-                raise CaseError(f"{self.path}: {expected}")
+    def require_units(self, units: Stated) -> None:
+        """Check that columns are in some units; see `require_units`."""
+        require_units(self.path, self.stated, units)
 
     def complain(self, row: int, name: str, expected: str) -> None:
         """Raise the error that says what was expected of a value.
@@ -98,6 +99,25 @@ class Table:
         """
         place = f"{self.path}: line {self.lines[row]}, column {name!r}"
         raise CaseError(f"{place}: expected {expected}, found {self.columns[name][row]:g}")
+
+
+def require_units(path: Path, stated: Mapping[str, str], units: Stated) -> None:
+    """Check that columns are in some units where a file states in which they are.
+
+    Args:
+        path: of the file.
+        stated: units that it states, by the names of columns.
+        units: that are expected, by these names, one or several for each; "1" of pure numbers.
+
+    Raises:
+        CaseError: names the first one that is in another unit.
+    """
+    for name, unit in stated.items():
+        expected = units.get(name, unit)
+        known = (expected,) if isinstance(expected, str) else expected
+        if not any(equal_units(unit, each) for each in known):
+            shown = "pure numbers" if expected == "1" else " or ".join(known)
+            raise CaseError(f"{path}: expected {name} in {shown}, found {name} in {unit}")
 
 
 def read_table(
@@ -130,7 +150,7 @@ def read_table(
     units: tuple[str, ...] = ()
     if first is not None and _are_units(first[1]):
         units = tuple(cell.strip() for cell in first[1])
-        bracketed |= dict(zip(header, units, strict=False))
+        bracketed |= {name: unit for name, unit in zip(header, units, strict=False) if unit}
         first = next(rows, None)
     if first is None:
         raise CaseError(f"{path}: expected rows of numbers below the header, found none")
@@ -162,12 +182,17 @@ def read_table(
 def _without_units(
     header: Sequence[str], names: Collection[str]
 ) -> tuple[list[str], dict[str, str]]:
-    """A header in which no unit in brackets follows one of some names, and these units."""
+    """A header in which no unit in brackets follows one of some names, and units in brackets.
+
+    A name may itself end with its unit.
+    """
     plain, units = [], {}
     for cell in header:
         found = BRACKETED.fullmatch(cell)
         if found and cell not in names and found[1] in names:
             units[found[1]] = found[2]
+        elif cell in names and (own := ENDING.fullmatch(cell)) and _is_named_unit(own[1]):
+            units[cell] = own[1]
         plain.append(found[1] if found and found[1] in units else cell)
     return plain, units
 
@@ -183,7 +208,12 @@ def _take_mark(cells: list[str], place: int, mark: re.Pattern[str]) -> bool:
 def _are_units(cells: Sequence[str]) -> bool:
     """True for a row of nothing but units, 1 and - for pure numbers among them."""
     texts = [cell.strip() for cell in cells if cell.strip()]
-    return any(re.search("[a-zµμ°%]", text.lower()) for text in texts) and all(map(is_unit, texts))
+    return any(map(_is_named_unit, texts)) and all(map(is_unit, texts))
+
+
+def _is_named_unit(text: str) -> bool:
+    """True for a unit that is not that of pure numbers."""
+    return re.search("[a-zµμ°%]", text.lower()) is not None and is_unit(text)
 
 
 def is_unit(text: str) -> bool:
@@ -231,7 +261,7 @@ def _at_once(path: Path, delimiter: str, first: int, width: int) -> tuple[Array,
 
 
 def read_columns(
-    path: Path, time: str, value: str, separator: str | None = None
+    path: Path, time: str, value: str, units: Stated, separator: str | None = None
 ) -> tuple[Array, Array]:
     """Read a column of times, not negative and strictly increasing, and a column of values.
 
@@ -239,6 +269,7 @@ def read_columns(
         path: as for `read_table`.
         time: name of the column with the times.
         value: name of the column with the values.
+        units: in which these columns must be, by name, if the file says in which they are.
         separator: as for `read_table`.
 
     Returns:
@@ -248,6 +279,7 @@ def read_columns(
         CaseError: file, line and column of what is not as expected.
     """
     table = read_table(path, (time, value), separator=separator)
+    table.require_units(units)
     times = table.columns[time]
     negative = np.flatnonzero(times < 0)
     if negative.size:

@@ -58,7 +58,7 @@ def read_pieces(case: Case, name: str) -> list[Piece]:
     for index, segment in enumerate(case.loads[name].history):
         key = ("loads", name, "history", index)
         try:
-            piece = _piece(case, segment, time, value)
+            piece = _piece(case, name, segment, time, value)
         except _Invalid as error:
             raise CaseError(complaint(case.source, (*key, *error.key), error.text)) from None
         pieces.append(piece)
@@ -97,7 +97,7 @@ class _Invalid(Exception):
         self.key, self.text = key, text
 
 
-def _piece(case: Case, segment: Segment, start: float, value: float) -> Piece:
+def _piece(case: Case, name: str, segment: Segment, start: float, value: float) -> Piece:
     match segment:
         case Ramp():
             return _line(segment, start, value, segment.ramp)
@@ -109,14 +109,17 @@ def _piece(case: Case, segment: Segment, start: float, value: float) -> Piece:
             times, values = np.array(segment.times), np.array(segment.values)
             return _table(times, values, start, value, ("times",))
         case CsvPoints():
-            return _csv(case, segment, start, value)
+            return _csv(case, name, segment, start, value)
 
 
-def _csv(case: Case, segment: CsvPoints, start: float, value: float) -> Piece:
+def _csv(case: Case, name: str, segment: CsvPoints, start: float, value: float) -> Piece:
     """The rows of a file, as often as they are to follow one another."""
-    path = case.resolve(segment.csv)
+    path, columns = case.resolve(segment.csv), (segment.time, segment.value)
+    units: dict[str, str | tuple[str, ...]] = {segment.time: case.units.time}
+    if segment.scale == 1:
+        units[segment.value] = _load_units(case, name)
     try:
-        times, values = read_columns(path, segment.time, segment.value, segment.separator)
+        times, values = read_columns(path, *columns, units, segment.separator)
     except CaseError as error:
         raise _Invalid(("csv",), str(error)) from None
     values = segment.scale * values + segment.offset
@@ -138,6 +141,14 @@ def _csv(case: Case, segment: CsvPoints, start: float, value: float) -> Piece:
     times = np.append(times, times[1:] + later)
     values = np.append(values, np.tile(values[1:], segment.repeat - 1))
     return replace(_table(times, values, start, value, ("csv",)), period=period)
+
+
+def _load_units(case: Case, name: str) -> tuple[str, ...]:
+    """Units of a load; with unit thickness forces are those per thickness too."""
+    unit = case.loads[name].unit(case.units)
+    if unit == case.units.force and case.geometry.solid is None and case.model.thickness == 1:
+        return unit, f"{unit}/{case.units.length}"
+    return (unit,)
 
 
 def _line(segment: Ramp | Hold, start: float, value: float, target: float) -> Piece:

@@ -14,7 +14,7 @@ from pathlib import Path
 
 from fretfe._typing import Array, Bools
 from fretfe.case import Units
-from fretfe.case.units import FORCES, METRES, STRESSES
+from fretfe.case.units import same_unit, unit_size
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import Table, possible_headers, read_table, read_texts
 
@@ -205,7 +205,7 @@ def _scale(
         expected = units.force
     if unit is not None and same_unit(unit, expected):
         return 1.0
-    size, own = _size(unit or ""), _size(expected)
+    size, own = unit_size(unit or ""), unit_size(expected)
     if size and own and size[1] == own[1]:
         return size[0] / own[0]
     shown = "none" if unit is None else f"[{unit}]"
@@ -216,28 +216,6 @@ def _scale(
     if size and size[1] == "force" and not whole:
         text += "; a force of the whole specimen needs a column 'thickness'"
     raise CaseError(f"{place}: expected {text}")
-
-
-def _size(unit: str) -> tuple[float, str] | None:
-    """Size of a unit in SI, and of what; None if it is not known."""
-    written = unit.strip()
-    for of, known in (("stress", STRESSES), ("force", FORCES), ("length", METRES)):
-        if written in known:
-            return known[written], of
-    force, _, length = (each.strip() for each in written.partition("/"))
-    if force in FORCES and length in METRES:
-        return FORCES[force] / METRES[length], "force/length"
-    return None
-
-
-def same_unit(one: str, two: str) -> bool:
-    """True if two units are written alike but for roots, products and spaces."""
-    return _unit(one) == _unit(two)
-
-
-def _unit(text: str) -> str:
-    text = re.sub(r"√\(?([^\s)·*/]+)\)?|sqrt\(([^)]*)\)", r"\1\2^0.5", text)
-    return re.sub(r"[\s·*]+", "*", text.strip()).replace("^(1/2)", "^0.5").replace("**", "^")
 
 
 def _check(columns: Columns) -> None:

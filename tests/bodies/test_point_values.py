@@ -71,7 +71,7 @@ def test_outside_of_the_points_the_hull_counts() -> None:
 def test_read_points(tmp_path: Path) -> None:
     path = tmp_path / "t.csv"
     path.write_text("node;T;x;y;z\n1;20,5;0;0;1\n2;30;1;0,5;1\n")
-    found = read_points(path, 2, ["T"])
+    found = read_points(path, 2, ["T"], {})
     np.testing.assert_array_equal(found.points, [[0, 0], [1, 0.5]])
     np.testing.assert_array_equal(found.values, [20.5, 30])
 

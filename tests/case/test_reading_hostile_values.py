@@ -93,9 +93,9 @@ def test_rows_longer_than_their_header(tmp_path: Path) -> None:
     path = tmp_path / "loads.csv"
     path.write_text("t,q\n0,0\n0,5,1,5\n")
     with pytest.raises(CaseError, match=r"line 3: expected at most 2 cells.*found 4.*decimal"):
-        read_columns(path, "t", "q")
+        read_columns(path, "t", "q", {})
     path.write_text("t,q\n0,0,\n1,2, ,\n")
-    times, values = read_columns(path, "t", "q")
+    times, values = read_columns(path, "t", "q", {})
     assert (times.tolist(), values.tolist()) == ([0, 1], [0, 2])
 
 
@@ -123,10 +123,10 @@ def test_numbers_that_have_lost_their_digits(tmp_path: Path, value: float) -> No
     path = tmp_path / "loads.csv"
     path.write_text(f"t,q\n0,0\n1,{value!r}\n2,0\n")
     if abs(value) > 1e-300:  # remains in tables of other programs
-        assert read_columns(path, "t", "q")[1].tolist() == [0, value, 0]
+        assert read_columns(path, "t", "q", {})[1].tolist() == [0, value, 0]
         return
     with pytest.raises(CaseError, match=r"line 3, column 'q': expected 0, or a number of 1e-300"):
-        read_columns(path, "t", "q")
+        read_columns(path, "t", "q", {})
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t", " "])
@@ -134,24 +134,24 @@ def test_names_in_quotes(tmp_path: Path, delimiter: str) -> None:
     """As spreadsheets write them; a name may hold what separates others."""
     path = tmp_path / "loads.csv"
     path.write_text(f'"time [s]"{delimiter}"q, N/mm"\n0{delimiter}1\n')
-    assert read_columns(path, "time [s]", "q, N/mm")[1].tolist() == [1]
+    assert read_columns(path, "time [s]", "q, N/mm", {})[1].tolist() == [1]
 
 
 def test_a_quote_that_does_not_end(tmp_path: Path) -> None:
     path = tmp_path / "loads.csv"
     path.write_text('"t,q\n0,0\n')
     with pytest.raises(CaseError, match="line 2: expected cells of a CSV file"):
-        read_columns(path, "t", "q")
+        read_columns(path, "t", "q", {})
 
 
 def test_more_rows_than_documented(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(csv_file, "MOST_ROWS", 3)
     path = tmp_path / "loads.csv"
     path.write_text("t,q\n0,0\n1,1\n2,2\n")
-    assert len(read_columns(path, "t", "q")[0]) == 3
+    assert len(read_columns(path, "t", "q", {})[0]) == 3
     path.write_text("t,q\n0,0\n1,1\n2,2\n3,3\n")
     with pytest.raises(CaseError, match="line 5: expected at most 3 rows of numbers, found more"):
-        read_columns(path, "t", "q")
+        read_columns(path, "t", "q", {})
 
 
 @pytest.mark.parametrize("text", ["", "[" * 50_000 + "]" * 50_000, "{}", "[]", '{"schema": 1}'])

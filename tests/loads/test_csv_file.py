@@ -41,7 +41,7 @@ def test_rows_around_the_header(
     assert table.columns["t"].tolist() == [0, 1] and table.columns["p"].tolist() == [1.5, 2.5]
     lines = path.read_text("utf-8-sig").splitlines()
     assert all("5" in lines[line - 1] for line in table.lines) and table.units == units
-    times, values = read_columns(path, "t", "p")
+    times, values = read_columns(path, "t", "p", {})
     assert (times.tolist(), values.tolist()) == ([0, 1], [1.5, 2.5])
 
 

@@ -306,8 +306,9 @@ def csv_case(folder: Path, content: str | bytes) -> Case:
         "t;Q;note\n1;2,0;a,b\n3;-4;\n",
         "t\tQ\n1,0\t2\n3\t-4\n",
         "t   Q\n1.0 2\n 3   -4 \n",
+        "t [sec],Q [N/mm²]\n1,2\n3,-4\n",
     ],
-    ids=["plain", "other-columns", "mark-and-spaces", "semicolons", "tabs", "spaces"],
+    ids=["plain", "other-columns", "mark-and-spaces", "semicolons", "tabs", "spaces", "unit"],
 )
 def test_csv_files_are_read_next_to_the_case(tmp_path: Path, content: str) -> None:
     history = build_history(csv_case(tmp_path, content))
@@ -334,6 +335,9 @@ CSV = {
     "backwards": ("t,Q\n1,0\n2,0\n2,1\n", "line 4, column 't': expected a time after 2, found 2"),
     "negative": ("t,Q\n-1,0\n", "line 2, column 't': expected a time >= 0, found -1"),
     "latin-1": (b"t,Q\n1,\xff\n", "line 2: expected UTF-8 text, found the byte 0xff"),
+    "seconds": ("t [h],Q\n1,2\n", "expected t in s, found t in h"),
+    "force": ("t,Q [kN]\n1,2\n", "expected Q in MPa, found Q in kN"),
+    "row of units": ("t;Q\n(s);(kN)\n1;2\n", "expected Q in MPa, found Q in (kN)"),
     "jump": ("t,Q\n0,5\n", "expected the value 0 at time 0"),
 }
 
@@ -346,6 +350,15 @@ def test_csv_mistakes_are_located(tmp_path: Path, content: str | bytes, expected
     assert text.startswith(f"{tmp_path / 'c.toml'}: loads.a.history[segment 1].csv: ")
     assert expected in text
     assert "table.csv" in text or "time 0" in expected
+
+
+def test_units_in_names_of_columns_count_unless_values_are_scaled(tmp_path: Path) -> None:
+    (tmp_path / "table.csv").write_text("time [s],Q (kN)\n1,2\n", "utf-8")
+    segment = {"csv": "table.csv", "time": "time [s]", "value": "Q (kN)"}
+    with pytest.raises(CaseError, match=r"found Q \(kN\) in kN"):
+        build_history(case_of(tmp_path / "c.toml", a=[segment]))
+    scaled = build_history(case_of(tmp_path / "c.toml", a=[{**segment, "scale": 1e3}]))
+    assert scaled.values[-1].tolist() == [2e3]
 
 
 def test_a_missing_csv_file_is_named(tmp_path: Path) -> None:

@@ -21,10 +21,10 @@ import fretfe
 from fretfe._typing import Array, Bools
 from fretfe.api import StrengthMap
 from fretfe.case import Units
+from fretfe.case.units import same_unit
 from fretfe.errors import CaseError, ConvergenceError
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
-from fretfe.strength.columns import same_unit
 from fretfe.strength.fit import LifeFit, fit_life
 from fretfe.strength.lives import read_tests
 

@@ -11,16 +11,16 @@ import numpy as np
 
 from fretfe.case import Case, complaint
 from fretfe.case.base import ABSOLUTE_ZERO, AXES
-from fretfe.case.loads import EigenstrainLoad, LoadAtPoints, OtherRun, TemperatureLoad
+from fretfe.case.loads import EigenstrainLoad, LoadAtPoints, OtherRun, ShapeLoad, TemperatureLoad
 from fretfe.errors import CaseError
 from fretfe.loads import History, build_history
-from fretfe.loads.csv_file import read_table
+from fretfe.loads.csv_file import read_table, require_units
 
 # What reads files is imported where it is needed: most cases have none, and SciPy and HDF5 take a
 # while.
 if TYPE_CHECKING:
     from fretfe.bodies.point_values import PointValues
-    from fretfe.fields.field import Names, Quantity
+    from fretfe.fields.field import Field, Names, Quantity
 
 # Endings of tables of a field, which have no other check that is quick.
 TABLES = (".csv", ".txt")
@@ -48,7 +48,8 @@ def values_at_points(case: Case, name: str, load: PointLoad, dimension: int) -> 
         return PointValues(np.array(load.points), np.array(load.values))
     least = ABSOLUTE_ZERO if isinstance(load, TemperatureLoad) else -np.inf
     try:
-        return read_points(case.resolve(load.file), dimension, load.columns[dimension], least)
+        columns, units = load.columns[dimension], _units(case, load)
+        return read_points(case.resolve(load.file), dimension, columns, units, least)
     except CaseError as error:
         raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 
@@ -65,12 +66,12 @@ def checked_history(case: Case) -> History:
     for name, load in case.loads.items():
         try:
             if isinstance(load, OtherRun):
-                _require_field(case.resolve(load.file), load.quantity, load.arrays or ())
+                _require_field(case, load)
             elif isinstance(load, PointLoad) and load.file is not None:
                 # Whether the bodies of a mesh file are solid is not known yet.
                 dimension = 2 if case.geometry.solid is None else 3
                 names = (*AXES[:dimension], *load.columns[dimension])
-                read_table(case.resolve(load.file), names)
+                read_table(case.resolve(load.file), names).require_units(_units(case, load))
         except CaseError as error:
             raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
     history = build_history(case)
@@ -81,18 +82,31 @@ def checked_history(case: Case) -> History:
     return history
 
 
-def _require_field(path: Path, quantity: Quantity, arrays: Names) -> None:
+def _units(case: Case, load: PointLoad | OtherRun) -> dict[str, str]:
+    """Units of the columns that a file of a load may have: factors and strains are numbers.
+
+    The factor of a load converts lengths of any unit, and times are those of the other run.
+    """
+    factor = load.factor if isinstance(load, OtherRun | ShapeLoad) else 1.0
+    lengths = (*AXES, *(f"u{axis}" for axis in AXES)) if factor == 1 else ()
+    values = () if isinstance(load, OtherRun | ShapeLoad) else load.columns[3]
+    return dict.fromkeys(values, "1") | dict.fromkeys(lengths, case.units.length) | {"T": "°C"}
+
+
+def _require_field(case: Case, load: OtherRun) -> None:
     from fretfe.fields.field import field_file
 
-    path = field_file(path, quantity)
+    path = field_file(case.resolve(load.file), load.quantity)
     if path.suffix.lower() in TABLES:
         stamp = path.stat()
-        _read_once(path, quantity, arrays, stamp.st_mtime_ns, stamp.st_size)
+        arrays = load.arrays or ()
+        field = _read_once(path, load.quantity, arrays, stamp.st_mtime_ns, stamp.st_size)
+        require_units(path, field.stated, _units(case, load))
 
 
 @lru_cache
-def _read_once(path: Path, quantity: Quantity, arrays: Names, modified: int, size: int) -> None:
+def _read_once(path: Path, quantity: Quantity, arrays: Names, modified: int, size: int) -> Field:
     """Read a table if that was not done before: several loads have the same one."""
     from fretfe.fields.field import read_field
 
-    read_field(path, quantity, arrays)
+    return read_field(path, quantity, arrays)

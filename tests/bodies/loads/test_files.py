@@ -44,6 +44,15 @@ TABLES: dict[str, tuple[dict[str, Any], str, str]] = {
                  [{"csv": "run.csv", "time": "time", "value": "ux"}]}, GOOD,
                 "line 3, column 'time': expected a time after 1, found 1"),
 }  # fmt: skip
+UNITS: dict[str, tuple[dict[str, Any], str, str]] = {
+    "lengths": ({**FIELD, "factor": 1.0}, GOOD.replace("ux", "ux [m]"), "ux in mm, found ux in m"),
+    "row of units": ({**FIELD, "type": "shape", "factor": 1.0},
+                     GOOD.replace("time\n", "time\nm,m,mm,mm,s\n"), "x in mm, found x in m"),
+    "factors": ({**FIELD, "type": "traction", "direction": "y"},
+                "x,y,value [kPa]\n0,0,1\n1,0,1\n", "value in pure numbers, found value in kPa"),
+    "heat": ({"type": "temperature", "file": "run.csv", "history": RAMP},
+             "x,y,T [K]\n0,0,1\n1,0,1\n", "T in °C, found T in K"),
+}  # fmt: skip
 HOT = {
     name: {"young": 210e3, "poisson": 0.3, "expansion": 1e-5, "reference_temperature": 20}
     for name in ("upper", "lower")
@@ -88,6 +97,19 @@ def test_good_files_pass(tmp_path: Path) -> None:
     case_file(tmp_path, FIELD, GOOD)
     case = parse_case(pad(loads={"other": FIELD}), tmp_path / "case.toml")
     assert checked_history(case).times.tolist() == [0.0, 1.0]
+
+
+@pytest.mark.parametrize(("load", "text", "expected"), UNITS.values(), ids=UNITS)
+def test_other_units_are_refused(
+    tmp_path: Path, load: dict[str, Any], text: str, expected: str
+) -> None:
+    """Numbers would be taken to be in those of the case; a factor of lengths converts them."""
+    file = case_file(tmp_path, load, text)
+    data = pad(loads={"other": load}, bodies=HOT)
+    with pytest.raises(CaseError, match=f"loads.other.file: .*expected {expected}"):
+        checked_history(parse_case(data, file))
+    if "factor" in load:
+        checked_history(parse_case(pad(loads={"other": {**load, "factor": 1e3}}), file))
 
 
 def test_columns_of_solids(tmp_path: Path) -> None:
