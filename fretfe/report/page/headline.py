@@ -8,12 +8,14 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+import numpy as np
+
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
 from fretfe.quality.ends import nearest_range
-from fretfe.report.source import shown_stations
+from fretfe.report.source import shown_stations, when
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.front_ends import end_beside
 from fretfe.results.model import Result
@@ -92,9 +94,24 @@ def _nothing(run: Result) -> str:
         for station in contact.stations
         if (why := withheld(station))
     ]
-    if not run.contacts or not reasons:
-        return ""
-    return f"No edge has a known K_N or range of K_T ({reasons[0]})."
+    if reasons:
+        return f"No edge has a known K_N or range of K_T ({reasons[0]})."
+    return " ".join(_without_fronts(run, each) for each in run.contacts if each.solid)
+
+
+def _without_fronts(run: Result, contact: Contact) -> str:
+    """Why a contact between solids has no fronts, and what is known of it all the same."""
+    first, last = run.loads.evaluated
+    state = first + int(np.argmax(contact.normal_force[first : last + 1]))
+    if not contact.normal_force[state] > 0:
+        return f"{contact.name}: nothing presses it, so that it has no edge factors."
+    known = (
+        f"P = {number(contact.normal_force[state])} {run.unit('force')}",
+        f"{number(contact.contact_area[state], 3)} {run.unit('area')} in contact",
+        f"largest pressure {number(contact.largest_pressure[state])} {run.unit('stress')}",
+    )
+    why = contact.lack.text or "it carries no force at the end of the cycle"
+    return f"{contact.name}: no edge factors, as {why}. At {when(run, state)} {', '.join(known)}."
 
 
 def _numbers(run: Result, contact: Contact, station: Station) -> str:
@@ -221,6 +238,8 @@ def _share(part: float) -> str:
 def _agreement(run: Result) -> str:
     """Count of edges or stations whose longest zone agrees with the prediction."""
     stations = [each for contact in run.contacts for each in contact.edges]
+    if run.solid and not stations:
+        return ""
     if stations and all(each.friction == 0 for each in stations):
         return f"{len(stations)} {_what(run, len(stations))} without friction."
     still = sum(map(_still, stations))

@@ -433,8 +433,6 @@ def summary(run: Result) -> tuple[str, ...]:
 def front_texts(run: Result) -> tuple[str, ...]:
     """The worst stations of each front of solids, and the ends of open fronts."""
     named = [(contact, front) for contact in run.contacts for front in contact.fronts]
-    if not named:
-        return ("No boundary of a contact area could be found: there are no edge factors.",)
     worst = [text for contact, front in named if (text := _worst_text(run, contact, front))]
     ends = (" ".join(end_lines(run, answer)) for answer in read_answers(run))
     return tuple(filter(None, (*worst, _work_text(run), _end_text(run, named), *ends)))
