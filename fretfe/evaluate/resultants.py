@@ -23,8 +23,9 @@ SMALLEST_SHEAR = 1e-3
 def load_extremes(contacts: Sequence[Contact], cycle: tuple[int, int] | None) -> list[int]:
     """States of the largest and the smallest load in the evaluated cycle.
 
-    In the plane those of `station_extremes`. Between solids the load is Q of the contact where it
-    varies most, along the direction in which it does; where none feels shear, P likewise.
+    In the plane those of `station_extremes`, if a station has K_T in most of the states. Else, and
+    between solids, the load is Q of the contact where it varies most, along the direction in which
+    it does; where none feels shear, P likewise.
 
     Args:
         contacts: one at least.
@@ -34,13 +35,14 @@ def load_extremes(contacts: Sequence[Contact], cycle: tuple[int, int] | None) ->
         Two states in the order of time, or the last state alone if the load is constant or no step
         was solved.
     """
-    if not contacts[0].solid:
-        return station_extremes([one for each in contacts for one in each.stations], cycle)
     first, last = cycle or (1, len(contacts[0].normal_force) - 1)
-    if last < first:
-        return [last]
-    states = slice(first, last + 1)
-    shear = max((_principal(each.shear_force[states]) for each in contacts), key=np.ptp)
+    states, solid = slice(first, last + 1), contacts[0].solid
+    stations = () if solid else [one for each in contacts for one in each.stations]
+    known = (np.isfinite(each.k_along[states]).mean() > 0.5 for each in stations)
+    if last < first or any(known):
+        return station_extremes(stations, cycle) if stations else [last]
+    forces = (each.shear_force if solid else each.shear_vectors for each in contacts)
+    shear = max((_principal(each[states]) for each in forces), key=np.ptp)
     normal = max((each.normal_force[states] for each in contacts), key=np.ptp)
     load = shear if np.ptp(shear) > SMALLEST_SHEAR * np.abs(normal).max() else normal
     found = sorted({first + int(load.argmax()), first + int(load.argmin())})
@@ -48,7 +50,7 @@ def load_extremes(contacts: Sequence[Contact], cycle: tuple[int, int] | None) ->
 
 
 def _principal(force: Array) -> Array:
-    """(n,) components of forces (n, 3) along the direction in which they vary most."""
+    """(n,) components of forces (n, d) along the direction in which they vary most."""
     return np.asarray(force @ shear_direction(force))
 
 

@@ -71,6 +71,8 @@ def withheld(station: Station) -> str:
     """Reason why K_N or the range of (K_T, K_S) of a station is not told; empty if both are."""
     if station.lack.whole:
         return station.lack.text
+    if station.lack.text and math.isnan(station.decisive_k_n[0]) and math.isnan(station.k_range):
+        return f"K_N and the range of K_T and K_S are not known, since {station.lack.text}"
     return "; ".join(filter(None, (_no_k_n(station), no_range(station))))
 
 

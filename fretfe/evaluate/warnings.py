@@ -260,9 +260,16 @@ def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> I
             missing.append("ΔK_T")
         names = " and ".join(missing)
         yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
-    # Its bar has a reason of its own.
-    if solution.cycle is not None and ranged and (reason := no_range(station)):
+    # Its bar has a reason of its own, unless that of K_N is too large as well.
+    alone = ranged and not _both_unknown(station)
+    if solution.cycle is not None and alone and (reason := no_range(station)):
         yield Kind.FACTORS_UNKNOWN, f"ΔK_T unknown, because {reason}"
+
+
+def _both_unknown(station: Station) -> bool:
+    """True if the error bars of both K_N and the range of K_T are too large."""
+    finite = math.isfinite(station.decisive_k_n[0]) and math.isfinite(station.k_range)
+    return finite and math.isnan(station.reported_k_n) and math.isnan(station.reported_range)
 
 
 def _parted(contact: ContactHistory, states: Indices) -> Iterator[Finding]:
@@ -383,7 +390,10 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
     """
     if station.uncertain:
         k_n, spread = station.decisive_k_n
-        if math.isnan(station.reported_k_n):
+        if _both_unknown(station):
+            text = "their error bars are unknown or more than half of them"
+            yield kind, f"K_N and ΔK_T are unknown, as {text}"
+        elif math.isnan(station.reported_k_n):
             yield kind, "K_N is unknown, as its error bar is more than half of it"
         else:
             yield kind, f"K_N is known to {spread / k_n:.0%} only"
@@ -396,5 +406,8 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
             "the steps",
         )
     zones = station.evaluated_zones
+    # An uncertain K_N has the same remedy, and so has one of too few nodes.
+    if station.uncertain or station.lack.kind is Lack.STEEP:
+        return
     if not any(zone.gross for zone in zones) and any(not zone.resolved for zone in zones):
         yield Kind.NOT_RESOLVED, "the slip zone is not resolved by the mesh"

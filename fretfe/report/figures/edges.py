@@ -30,6 +30,7 @@ from fretfe.evaluate.contacts import (
     HalfSpaceRatios,
     SlipZone,
     Station,
+    reported,
 )
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
 from fretfe.evaluate.plane.section import plane_front
@@ -202,9 +203,9 @@ def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
     p = shown.tractions.mean_traction[near.later, inside, 0]
     nodes: Any = {"ms": 4, "lw": 0.8, "color": BLUE, "markevery": SPARSE}
     top.plot(s[inside], _positive(p), ".-", label="p, mean at the nodes", **nodes)
-    top.plot(
-        line, near.edge.k_n[near.later] * np.sqrt(line), "--", color=VERMILLION, label="K_N √s"
-    )
+    k_n = reported(near.edge.k_n[near.later], near.edge.k_n_spread[near.later])
+    if math.isfinite(k_n):
+        top.plot(line, k_n * np.sqrt(line), "--", color=VERMILLION, label="K_N √s")
     _shear(bottom, shown, near, s, inside, line)
     _zone_lines(bottom, shown, near)
     for axes in (top, bottom):
@@ -242,13 +243,9 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
         axes.plot(
             s, _positive(stuck[inside] @ near.line), "-.", color=GREEN, label="the same, full stick"
         )
-    axes.plot(
-        line,
-        near.range / np.sqrt(line),
-        "--",
-        color=VERMILLION,
-        label="ΔK_T/√s" if len(near.line) == 1 else "ΔK/√s",
-    )
+    if not cyclic or math.isfinite(near.edge.reported_range):
+        label = "ΔK_T/√s" if len(near.line) == 1 else "ΔK/√s"
+        axes.plot(line, near.range / np.sqrt(line), "--", color=VERMILLION, label=label)
     finite = np.concatenate([_positive(change), _positive(bound)])
     finite = finite[np.isfinite(finite)]
     if len(finite):

@@ -55,7 +55,8 @@ INTRO = (
     "p; solid: shear q on body 2; where bodies move along z, dash-dotted: q_z along it. Where the "
     "solid line, or the length of both together, is on the dotted one, the contact slips or has "
     "just slipped. The two states are the load extremes: largest and smallest K_T at the "
-    "edge where it varies most, in the evaluated cycle or, if there is none, in the whole history."
+    "edge where it varies most (Q if no edge has it), in the evaluated cycle or, if there is none, "
+    "in the whole history."
 )
 # Points between a panel and its title for each row of the legend, which stands there.
 TITLE_PAD = 50.0 / 3
@@ -473,6 +474,8 @@ def edge_window(shown: Shown, edge: Station, first: int, last: int) -> tuple[flo
         return _limits(shown, np.concatenate([each.position for each in shown.summary.stations]))
     low, high = np.nanmin(places), np.nanmax(places)
     depth = min(max(depth, high - low, NARROWEST * half_width), 2 * half_width)
+    if depth == 0:  # no half-width is known
+        return _limits(shown, places)
     below, above = (0.25 * depth, depth)[:: int(inward(edge))]
     return low - below, high + above
 

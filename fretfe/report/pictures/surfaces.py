@@ -359,7 +359,7 @@ def reading(sheet: Sheet) -> str:
     """Legend of the picture of a surface."""
     plane, units = sheet.plane, sheet.run.case.units
     right, up = (direction_text(direction) for direction in plane.directions)
-    least = 1e-6 * float(np.ptp(sheet.contact.surface.points, axis=0).max())
+    least = 1e-4 * float(np.ptp(sheet.contact.surface.points, axis=0).max())
     middle = ", ".join(number(float(v) if abs(v) > least else 0.0) for v in plane.middle)
     stretched = "" if sheet.true_aspect >= LOWEST else " The axes have different scales."
     arrows = (
