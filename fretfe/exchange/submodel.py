@@ -39,7 +39,7 @@ from fretfe.files import disk_reason, replace_text
 from fretfe.mesh.load import made_mesh
 from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.mesh.part import cut_name
-from fretfe.results.front_ends import FrontEnd, find_end
+from fretfe.results.front_ends import FrontEnd, find_end, zone_at
 from fretfe.results.model import Result
 from fretfe.results.writer import prepare_other
 
@@ -158,9 +158,13 @@ def radius_at(end: FrontEnd) -> float:
 def finer_at(end: FrontEnd) -> float:
     """Elements of a run over those of the part around a free end.
 
-    Those of the second level are twice as long: a contact of few elements would have no front.
+    Those of the second level are twice as long: a contact of few elements would have no front. Slip
+    at the edge, which grows to it within a zone, takes five elements of the first level there.
     """
-    return 1.4 if end.station.depth > 2 * FEW * end.station.size else 2.0
+    station, zone = end.station, zone_at(end)
+    if station.depth <= 2 * FEW * station.size:
+        return 2.0
+    return min(max(1.4, 5 * station.size / zone), 3.0) if zone > 0 else 1.4
 
 
 def _part(result: Result, tables: dict[str, Any], reach: float, *, trust_geo: bool) -> Mesh:

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections import ChainMap
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -14,6 +14,7 @@ from dolfinx import fem
 from scipy import sparse
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.contact.interface import Compliance
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import ElasticBody, stress_pairs
 from fretfe.fem.model import Model, Request, Share
@@ -88,6 +89,21 @@ class FieldSource:
         shares = self._shares(requests)
         question = partial(Recovery.element_values, shares=shares, stress=stress)
         return self._lead.ask(question)
+
+    def displacements(self, requests: Sequence[Request]) -> Iterator[dict[str, list[Array]]]:
+        """As `element_values` without stress, by combinations of the fields that states share."""
+        modes, shares = common_modes(requests, self._model.reduction.interface.compliance)
+        at_once = max(self.states_at_once() // 3, 1)
+        found = [  # as exact as they are written
+            [part.astype(np.float32) for part in each["displacement"]]
+            for first in range(0, len(modes), at_once)
+            for each in self.element_values(modes[first : first + at_once], stress=False)
+        ]
+        bodies = [np.stack(each) for each in zip(*found, strict=True)]
+        for first in range(0, len(requests), at_once):
+            some = shares.T[first : first + at_once].astype(np.float32)
+            for moved in zip(*(np.tensordot(some, each, 1) for each in bodies), strict=True):
+                yield {"displacement": list(moved)}
 
     def _shares(self, requests: Sequence[Request]) -> list[Share]:
         return [self._model.share(each) for each in requests]
@@ -245,7 +261,9 @@ class FieldOutput:
     @property
     def states_at_once(self) -> int:
         """Number of states to add together: at the nodes of each element a field is larger."""
-        return max(self._fields.states_at_once() // (8 if self._stress else 3), 1)
+        if not self._stress:  # the more states there are, the fewer fields each of them takes
+            return 1024
+        return max(self._fields.states_at_once() // 8, 1)
 
     def close(self) -> None:
         """Finish the file."""
@@ -253,11 +271,44 @@ class FieldOutput:
 
     def add(self, times: Sequence[float], requests: Sequence[Request]) -> None:
         """Append states, whose fields are recovered together."""
-        for time, values in zip(
-            times, self._fields.element_values(requests, self._stress), strict=True
-        ):
+        fields = self._fields
+        found: Iterable[dict[str, list[Array]]] = (
+            fields.element_values(requests, True)
+            if self._stress
+            else fields.displacements(requests)
+        )
+        for time, values in zip(times, found, strict=True):
             with writing(self._path, "the fields"):
                 self._writer.add(time, values)
+
+
+def common_modes(
+    requests: Sequence[Request], compliance: Compliance
+) -> tuple[list[Request], Array]:
+    """Fields of which all those of a history are combinations, but for a ten thousandth.
+
+    Displacements are linear in what makes them: tractions, in the norm of their elastic energy, and
+    each coordinate and load, as part of its largest value.
+
+    Args:
+        requests: n of the history.
+        compliance: of the contact nodes.
+
+    Returns:
+        r requests, and shares (r, n) of them.
+    """
+    traction, *rest = parts = [
+        np.array([getattr(each, name) for each in requests]).T
+        for name in ("traction", "coordinates", "amplitudes")
+    ]
+    energy = traction.T @ np.array([compliance.apply(each) for each in traction.T]).T
+    rows = np.concatenate(rest)
+    rows = rows / np.maximum(np.abs(rows).max(axis=1, keepdims=True), 1e-300)
+    gram = energy / max(float(np.diag(energy).max()), 1e-300) + rows.T @ rows
+    squares, vectors = np.linalg.eigh((gram + gram.T) / 2)
+    kept = vectors[:, squares > 1e-8 * squares[-1]]
+    modes = [Request(*each) for each in zip(*((part @ kept).T for part in parts), strict=True)]
+    return modes, kept.T
 
 
 class StressPoints:

@@ -31,6 +31,7 @@ from fretfe.results.front_ends import (
     find_end,
     known_ranges,
     known_stations,
+    zone_at,
 )
 from fretfe.results.model import Result
 from fretfe.results.reader import restored
@@ -306,10 +307,8 @@ def _level(result: Result, end: FrontEnd, inner: float) -> Level:
 
 def _two_zones(end: FrontEnd) -> float:
     """Two slip zones, as they are known of the station of a run nearest to its end, to a digit."""
-    zones = (each.longest_zone for _, each in known_stations(end))
-    lengths = (zone.rank for zone in zones if zone is not None)
-    known = next((each for each in lengths if 0 < each < math.inf), end.station.size)
-    return float(f"{2 * known:.1g}")
+    known = zone_at(end)
+    return float(f"{2 * (known if known > 0 else end.station.size):.1g}")
 
 
 def rows_at(result: Result, end: FrontEnd, inner: float) -> Rows:

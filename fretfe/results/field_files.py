@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -73,11 +73,13 @@ class Column:
         components: of each value.
         kind: type of the numbers.
         shuffled: True to sort the bytes by significance, which packs what does not recur.
+        packed: False for what is read again at once: packing takes longer than all else.
     """
 
     components: int = 1
     kind: type = np.float32
     shuffled: bool = True
+    packed: bool = True
 
 
 CONTACT_COLUMNS = {
@@ -188,7 +190,7 @@ class GridWriter:
         return self._root.create_dataset(
             name, (rows, column.components), column.kind,
             maxshape=(None, column.components), chunks=(self._count, 1),
-            shuffle=column.shuffled, **PACKED,
+            shuffle=column.shuffled, **(PACKED if column.packed else {"fletcher32": True}),
         )  # fmt: skip
 
     def _prepare_series(self, name: str, kind: type, value: int, shape: tuple[int, ...]) -> None:
@@ -259,7 +261,8 @@ class FieldWriter(GridWriter):
         path: file to write.
         nodes: (m, k, d) by body: places of the k nodes of each of m elements, in VTK's order;
             exactly the same place for a node that elements share.
-        names: of the values; without any both.
+        names: of the values; without any both. Displacements alone, which drive parts, are not
+            packed.
 
     Raises:
         OSError: if the file cannot be written; so do all methods.
@@ -269,7 +272,9 @@ class FieldWriter(GridWriter):
         self, path: Path, nodes: Mapping[str, Array], names: Sequence[str] = tuple(COLUMNS)
     ) -> None:
         parts = {body: _part(each) for body, each in nodes.items()}
-        super().__init__(path, parts, "body", {name: COLUMNS[name] for name in names})
+        packed = "stress" in names
+        columns = {name: replace(COLUMNS[name], packed=packed) for name in names}
+        super().__init__(path, parts, "body", columns)
 
 
 def _part(nodes: Array) -> Part:

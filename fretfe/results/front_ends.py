@@ -113,6 +113,13 @@ def known_stations(end: FrontEnd) -> list[tuple[float, Station]]:
     return sorted(known, key=lambda each: each[0])
 
 
+def zone_at(end: FrontEnd) -> float:
+    """Longest slip zone of the nearest station that has one; NaN without any."""
+    zones = (each.longest_zone for _, each in known_stations(end))
+    lengths = (zone.rank for zone in zones if zone is not None)
+    return next((each for each in lengths if 0 < each < math.inf), math.nan)
+
+
 def known_ranges(end: FrontEnd) -> Array:
     """(3, n) distances of these stations, |ΔK| and its error bar."""
     rows = [(away, each.k_range, each.k_range_spread) for away, each in known_stations(end)]

@@ -18,9 +18,12 @@ from harness.launch import fretfe, python
 from fretfe._typing import Array
 from fretfe.backends import RunOptions
 from fretfe.case import parse_case
+from fretfe.contact.interface import DenseCompliance
 from fretfe.errors import OutputError
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
+from fretfe.fem.fields import common_modes
+from fretfe.fem.model import Request
 from fretfe.fem.run import solve
 from fretfe.materials.material import Material
 from fretfe.results.field_files import FIELDS, FieldReader, FieldWriter
@@ -177,3 +180,21 @@ def test_a_run_draws_pictures_once(tmp_path: Path, ranks: int) -> None:
     assert {path.name for path in (out / "pictures").iterdir()} == {*names, "pictures.json"}
     assert FieldReader(out / FIELDS).times == pytest.approx([1.25, 1.75, 2.0])
     assert "Colours end at" in content["pictures"][1]["caption"]
+
+
+def test_states_share_few_fields() -> None:
+    """Of 40 states that are combinations of three, but for a millionth: three fields are enough."""
+    random = np.random.default_rng(3)
+    root = random.standard_normal((30, 30))
+    compliance = DenseCompliance(root @ root.T)
+    parts = [random.standard_normal((3, size)) for size in (30, 4, 2)]
+    # Coordinates are displacements, and turns that are small beside them.
+    parts[1][:, 2:] *= 1e-5
+    factors = random.standard_normal((40, 3))
+    exact = [factors @ part for part in parts]
+    noisy = [exact[0] + 1e-6 * random.standard_normal((40, 30)), *exact[1:]]
+    modes, shares = common_modes([Request(*each) for each in zip(*noisy, strict=True)], compliance)
+    assert len(modes) == 3 and shares.shape == (3, 40)
+    for name, part in zip(("traction", "coordinates", "amplitudes"), exact, strict=True):
+        found = shares.T @ np.array([getattr(each, name) for each in modes])
+        assert (np.abs(found - part) <= 2e-4 * np.abs(part).max(axis=0)).all()
