@@ -97,7 +97,7 @@ class Withheld:
             case Lack.FREE_END:
                 return (
                     "the station is nearer to a free end than the length of an element along the "
-                    "front: make the layers thinner there (end_size)"
+                    "front: make elements shorter there (of layers by end_size)"
                 )
         return _of_fronts(self)
 

@@ -190,7 +190,12 @@ def test_ends_of_fronts_have_a_line_of_their_own(sphere: Result) -> None:
 
     *_, last = front_texts(with_stations(sphere, station))
     assert "outside the edge formulas" in last and "|ΔK| is 31.0 ± 5.0 MPa·√mm" in last
-    assert "at station main.1.1, " in last
+    assert "at station main.1.1, " in last and "of extruded bodies only" not in last
+    case = sphere.case.model_copy(
+        update={"geometry": sphere.case.geometry.model_copy(update={"solid": None})}
+    )
+    *_, bare = front_texts(with_stations(replace(sphere, case=case), station))
+    assert "made of extruded bodies only: no sub-model shows" in bare
     contact, (front,) = sphere.solution.contacts[0], sphere.contacts[0].fronts
     found = re.search(
         r"slip by up to (\S+) mm, with a friction work of up to (\S+) N·mm/mm²\.", last

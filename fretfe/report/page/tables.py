@@ -527,7 +527,11 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
         texts.append(
             f"Nearer to free ends than {number(max(short), 2)} {run.unit('length')} |ΔK| is "
             "unknown, and may be larger than anywhere else: elements are longer than that along "
-            "the front. Make the layers thinner there (end_size)."
+            "the front. Make elements shorter there (of layers by end_size)."
+        )
+    if run.case.geometry.solid is None:
+        texts.append(
+            "Parts around ends are made of extruded bodies only: no sub-model shows what is nearer."
         )
     return " ".join([*texts, _end_slip(run, contact, front, station)])
 
