@@ -15,6 +15,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition, Pair, couple_contacts
+from fretfe.bodies.loads.strain import heatings
 from fretfe.bodies.point_values import FLAT
 from fretfe.case import Case
 from fretfe.caution import Kind
@@ -135,14 +136,30 @@ def coupled_contacts(
         surface = replace(surface, continued=continued)
         if (end := half_end(surface)) is not None:
             surface = replace(surface, arc=surface.arc - surface.arc[end])
-        require_covered(read_coefficients(case, pair.name), surface)
+        given = read_coefficients(case, pair.name)
+        if given.temperature is not None:
+            _require_heat(given.key, model, (pair.body1, pair.body2))
+        require_covered(given, surface)
         coupling = replace(pair.coupling, surface=surface)
-        if (given := read_gap(case, pair.name)) is not None:
-            coupling = replace(coupling, gap=_with_gap(pair, surface, given, case.units.length))
+        if (gap := read_gap(case, pair.name)) is not None:
+            coupling = replace(coupling, gap=_with_gap(pair, surface, gap, case.units.length))
         if (layer := read_layer(case, pair.name)) is not None:
             pair = replace(pair, layer=layer_at_nodes(layer, surface))
         pairs.append(replace(pair, coupling=coupling))
     return tuple(pairs)
+
+
+def _require_heat(key: str, model: ModelDefinition, bodies: tuple[str, str]) -> None:
+    """Check that something heats the bodies of a contact.
+
+    Raises:
+        CaseError: nothing does.
+    """
+    if not any(heatings(model.loads, body) for body in bodies):
+        raise CaseError(
+            f"{key}: expected a load that changes the temperature of {' or '.join(bodies)}, "
+            "found none: their surfaces stay at the reference temperature"
+        )
 
 
 def _with_gap(pair: Pair, surface: ContactSurface, given: OverSurface, unit: str) -> Array:

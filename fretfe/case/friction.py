@@ -13,6 +13,7 @@ from fretfe.case.base import (
     Number,
     Separator,
     Table,
+    Temperature,
     Text,
     require_increasing,
 )
@@ -68,12 +69,26 @@ class OverPressure(Table):
         return self
 
 
+class OverHeat(Table):
+    """Coefficient over the temperature of the surfaces, by the loads that heat the bodies."""
+
+    temperature: tuple[Temperature, ...] = Field(
+        min_length=2, description="Mean temperatures of both surfaces, increasing."
+    )
+    values: Coefficients
+
+    @model_validator(mode="after")
+    def _increasing(self) -> Self:
+        require_increasing("temperature", self.temperature, self.values)
+        return self
+
+
 class InFile(Table):
     """Coefficient from the column `friction` of a CSV file, over one of the above, or at places."""
 
     csv: Text = Field(
-        description="Text file with the column friction and with time, pressure, arc, or x, y "
-        "(and z), relative to the folder of the case file."
+        description="Text file with the column friction and with time, pressure, temperature, arc, "
+        "or x, y (and z), relative to the folder of the case file."
     )
     separator: Separator = None
 
@@ -82,6 +97,7 @@ VARYING: dict[str, type[Table]] = {
     "times": OverTime,
     "arc": OverArc,
     "pressure": OverPressure,
+    "temperature": OverHeat,
     "csv": InFile,
 }
 NUMBER = f"{TAG}number"
@@ -103,6 +119,7 @@ Friction = Annotated[
     | Annotated[OverTime, Tag(f"{TAG}times:friction")]
     | Annotated[OverArc, Tag(f"{TAG}arc:friction")]
     | Annotated[OverPressure, Tag(f"{TAG}pressure:friction")]
+    | Annotated[OverHeat, Tag(f"{TAG}temperature:friction")]
     | Annotated[InFile, Tag(f"{TAG}csv:friction")],
     Discriminator(friction_kind),
 ]

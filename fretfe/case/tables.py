@@ -25,7 +25,7 @@ from fretfe.case.base import (
     Vector,
     file_problem,
 )
-from fretfe.case.friction import Friction, InFile, OverArc, OverPressure, OverTime
+from fretfe.case.friction import Friction, InFile, OverArc, OverHeat, OverPressure, OverTime
 from fretfe.case.layer import Layer
 
 Plane = Literal["strain", "stress"]
@@ -172,7 +172,7 @@ class Contact(Table):
     )
     friction: Friction = Field(
         description="Coulomb friction coefficient, >= 0: a number, or a table over time, along "
-        "the surface or over pressure."
+        "the surface, over pressure or temperature."
     )
     friction_from: NotNegative = Field(
         default=0.0,
@@ -203,7 +203,7 @@ class Contact(Table):
     def largest_friction(self) -> float:
         """Largest coefficient; NaN if that stands in a file."""
         match self.friction:
-            case OverTime() | OverArc() | OverPressure():
+            case OverTime() | OverArc() | OverPressure() | OverHeat():
                 return max(self.friction.values)
             case InFile():
                 return math.nan

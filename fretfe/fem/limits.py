@@ -13,7 +13,7 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.bodies.definition import BodyDefinition, Pair
-from fretfe.bodies.loads.strain import heatings
+from fretfe.bodies.loads.strain import heatings, surface_temperatures
 from fretfe.case import Case, isotropic
 from fretfe.case.bodies import OverTemperature
 from fretfe.caution import Kind
@@ -35,6 +35,7 @@ from fretfe.fem.model import Model, Reduction
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
+from fretfe.loads.friction import read_coefficients
 from fretfe.loads.over_surface import read_gap
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
@@ -199,43 +200,60 @@ def _at_other_temperatures(
     model: Model, history: ContactHistory, solution: Solution
 ) -> Iterator[ModelLimit]:
     """Change of Young's modulus along a contact and through its cycle, where it is told."""
-    case, loads = model.case, solution.loads
+    case = model.case
     states = cycle_states(solution.cycle) if solution.cycle is not None else [-1]
     for body in (history.body1, history.body2):
         curve = case.given.young.get(body) if case.given is not None else None
-        heated = heatings(model.reduction.definition.loads, body)
+        loads = model.reduction.definition.loads
         used, start = case.bodies[body].temperature, case.bodies[body].reference_temperature
-        if curve is None or not heated or used is None or start is None:
+        if curve is None or not heatings(loads, body) or used is None or start is None:
             continue
-        points = history.surface.points
-        low, high = np.full((2, len(points)), start)
-        for name in dict.fromkeys(each.channel for each in heated):
-            parts = loads.values[states, loads.channels.index(name)]
-            change = sum(
-                np.outer(one.amplitudes(parts), one.temperature_change(body, start, points))
-                for one in heated
-                if one.channel == name
-            )
-            low, high = low + np.min(change, axis=0), high + np.max(change, axis=0)
+        found = surface_temperatures(case, loads, (body,), history.surface.points, solution.loads)
+        low, high = float(found[states].min()), float(found[states].max())
         yield ModelLimit(
             history.name,
             Kind.TEMPERATURE,
             f"change of Young's modulus of {body} by temperature, over the one used",
-            _largest_change(curve, float(low.min()), float(high.max()), used),
+            _largest_change(curve, low, high, used),
             LARGEST_SOFTENING,
-            f"the stiffness is that at {used:g} °C everywhere, next to {low.min():.4g} to "
-            f"{high.max():.4g} °C at the surface",
+            f"the stiffness is that at {used:g} °C everywhere, next to {low:.4g} to "
+            f"{high:.4g} °C at the surface",
         )
         first, last = curve.temperatures[0], curve.temperatures[-1]
         yield ModelLimit(
             history.name,
             Kind.TEMPERATURE_TABLE,
             f"temperature beyond the table of Young's modulus of {body}, over its extent",
-            max(first - float(low.min()), float(high.max()) - last, 0.0) / (last - first),
+            max(first - low, high - last, 0.0) / (last - first),
             0.0,
-            f"the surface is at {low.min():.4g} to {high.max():.4g} °C, the table reaches from "
+            f"the surface is at {low:.4g} to {high:.4g} °C, the table reaches from "
             f"{first:g} to {last:g} °C",
         )
+
+
+def friction_notes(model: Model, solution: Solution) -> Iterator[str]:
+    """Pressures and temperatures beyond the tables of friction, in words."""
+    case, units = model.case, model.case.units
+    for history in solution.contacts:
+        given = read_coefficients(case, history.pair)
+        bodies, points = (history.body1, history.body2), history.surface.points
+        if given.pressure is not None:
+            what, unit, table = "mean pressures", units.stress, given.pressure
+            means = history.mean_traction
+            parts = blocks(len(means), means[0].size)
+            low, high = 0.0, max(float(means[part][..., 0].max()) for part in parts)
+        elif given.temperature is not None:
+            what, unit, table = "temperatures", "°C", given.temperature
+            loads = model.reduction.definition.loads
+            heat = surface_temperatures(case, loads, bodies, points, solution.loads)
+            low, high = float(heat.min()), float(heat.max())
+        else:
+            continue
+        if low < table[0] or high > table[-1]:
+            yield (
+                f"{given.key}: {what} of {low:.4g} to {high:.4g} {unit} are beyond the "
+                f"table, from {table[0]:g} to {table[-1]:g}: there friction is that at its end"
+            )
 
 
 def _largest_change(curve: OverTemperature, low: float, high: float, used: float) -> float:

@@ -23,6 +23,7 @@ from fretfe.bodies.definition import (
     contact_surfaces,
     model_notes,
 )
+from fretfe.bodies.loads.strain import surface_temperatures
 from fretfe.bodies.rigid_modes import held_model
 from fretfe.case import Case
 from fretfe.contact.interface import Interface, coordinate_range
@@ -303,7 +304,11 @@ def step_loads(
 
     def friction(pair: Pair) -> Friction:
         given = read_coefficients(case, pair.name)
-        own = Friction.of(given, history.times, pair.coupling.surface)
+        surface, heat = pair.coupling.surface, None
+        if given.temperature is not None:
+            bodies, loads = (pair.body1, pair.body2), reduction.definition.loads
+            heat = surface_temperatures(case, loads, bodies, surface.points, history)
+        own = Friction.of(given, history.times, surface, heat)
         return own if beginning is None else beginning.friction(pair.name, own, numbers)
 
     def within(steps: Indices, shares: Array) -> StepTable:

@@ -45,6 +45,7 @@ from fretfe.fem.fields import FieldOutput, FieldSource, Recovery
 from fretfe.fem.limits import (
     balance,
     farthest_states,
+    friction_notes,
     imbalance,
     model_limits,
     opened,
@@ -233,6 +234,7 @@ class _Run:
                 *repeats,
                 *added,
                 *guarded("notes", lambda: tuple(unlike_notes(told, contacts)), lambda _: ()),
+                *guarded("notes", lambda: tuple(friction_notes(model, solution)), lambda _: ()),
             ),
             failure=failure,
             limits=limits,

@@ -10,7 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Case, complaint
-from fretfe.case.friction import InFile, OverArc, OverPressure, OverTime
+from fretfe.case.friction import InFile, OverArc, OverHeat, OverPressure, OverTime
 from fretfe.case.messages import key_path
 from fretfe.errors import CaseError
 from fretfe.loads.csv_file import read_table
@@ -19,14 +19,18 @@ from fretfe.loads.over_surface import OVER, places_in, require_whole
 # Column of the coefficients in a file.
 COEFFICIENT = "friction"
 # Columns over which they may be that are no places: attribute of `Coefficients`, and quantity.
-UNPLACED = {"time": ("times", "time"), "pressure": ("pressure", "stress")}
+UNPLACED = {
+    "time": ("times", "time"),
+    "pressure": ("pressure", "stress"),
+    "temperature": ("temperature", ""),
+}
 # A surface or a history may reach this fraction of a table beyond its ends.
 BEYOND = 1e-6
 
 
 @dataclass(frozen=True)
 class Coefficients:
-    """Those of a contact of a case: one, or over one of times, pressures, arc lengths and places.
+    """Those of a contact of a case: one, or over one of times, pressures and so on.
 
     Attributes:
         key: file and key that have them, for messages.
@@ -34,6 +38,7 @@ class Coefficients:
         values: (n,) coefficients.
         times: (n,) times at which they hold, with straight lines between them.
         pressure: (n,) contact pressures, from 0 on, likewise.
+        temperature: (n,) mean temperatures of both surfaces, likewise.
         arc: (n,) arc lengths along the surface, likewise.
         points: (n, 2 or 3) places: a node has the coefficient of the nearest one.
     """
@@ -43,13 +48,20 @@ class Coefficients:
     values: Array
     times: Array | None = None
     pressure: Array | None = None
+    temperature: Array | None = None
     arc: Array | None = None
     points: Array | None = None
 
     @property
     def even(self) -> bool:
         """True if they are the same all over the surface."""
-        return self.arc is None and self.points is None and self.pressure is None
+        others = self.arc, self.points, self.pressure, self.temperature
+        return all(each is None for each in others)
+
+    @property
+    def by_place(self) -> bool:
+        """True if they depend on the place alone."""
+        return self.arc is not None or self.points is not None
 
     def over(self, times: Array) -> Array:
         """(T,) coefficients in the steps that end at some times (T,), if they are even.
@@ -93,6 +105,9 @@ def read_coefficients(case: Case, name: str) -> Coefficients:
             found = {"values": np.array(table.values), "arc": np.array(table.arc)}
         case OverPressure() as table:
             found = {"values": np.array(table.values), "pressure": np.array(table.pressure)}
+        case OverHeat() as table:
+            temperature = np.array(table.temperature)
+            found = {"values": np.array(table.values), "temperature": temperature}
         case InFile() as table:
             try:
                 found = _in_file(case, table)
@@ -111,7 +126,7 @@ def _in_file(case: Case, given: InFile) -> dict[str, Array]:
     path = case.resolve(given.csv)
     table = read_table(path, (COEFFICIENT,), (*UNPLACED, *OVER), given.separator)
     found = places_in(table, tuple(UNPLACED))
-    units = {name: getattr(case.units, quantity) for name, (_, quantity) in UNPLACED.items()}
+    units = {name: getattr(case.units, unit) for name, (_, unit) in UNPLACED.items() if unit}
     table.require_units({each: case.units.length for each in found} | units)
     values = table.columns[COEFFICIENT]
     if (wrong := np.flatnonzero(values < 0)).size:

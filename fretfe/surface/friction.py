@@ -35,8 +35,28 @@ class Friction:
     by_pressure: Array | None = None
 
     @classmethod
-    def of(cls, given: Coefficients, times: Array, surface: ContactSurface) -> Friction:
-        """That of a contact of a case, for states at times (T,), which covers the surface."""
+    def of(
+        cls,
+        given: Coefficients,
+        times: Array,
+        surface: ContactSurface,
+        temperature: Array | None = None,
+    ) -> Friction:
+        """That of a contact of a case, for states at times (T,), which covers the surface.
+
+        Args:
+            given: the coefficients.
+            times: (T,) of the states.
+            surface: of the contact.
+            temperature: (T, N) of the surfaces at the nodes, where coefficients depend on it.
+        """
+        if given.temperature is not None:
+            assert temperature is not None
+            heated = np.interp(temperature, given.temperature, given.values)
+            # Cycles that are the same have the same coefficients, whatever round-off leaves.
+            heated = np.round(np.where(times[:, None] > given.begins, heated, 0.0), 12)
+            fields, number = np.unique(heated, axis=0, return_inverse=True)
+            return cls(fields, number.ravel())
         if given.even or given.pressure is not None:
             found = cls.uniform(given.over(times), len(surface.weights))
             if given.pressure is None:
@@ -107,7 +127,7 @@ def require_covered(given: Coefficients, surface: ContactSurface) -> None:
     Raises:
         CaseError: they are not, or those along an arc are for a surface of solids.
     """
-    if given.even or given.pressure is not None:
+    if not given.by_place:
         return
     try:
         _along(given, surface)

@@ -83,7 +83,8 @@ def test_files_are_over_what_their_columns_are(tmp_path: Path) -> None:
     [
         (
             "friction\n0.3\n",
-            "expected a column time, a column pressure, a column arc, or columns x and y (and z)",
+            "expected a column time, a column pressure, a column temperature, a column arc, or "
+            "columns x and y (and z)",
         ),
         ("time,arc,friction\n0,1,0.3\n", "found time and arc"),
         ("time,friction\n0,0.1\n3,-0.7\n", "line 3, column 'friction': expected a coefficient >="),

@@ -14,6 +14,7 @@ from reference.half_plane_collocation import compliance, partial_slip
 import fretfe
 from fretfe.case import parse_case
 from fretfe.caution import Kind
+from fretfe.errors import CaseError
 from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -128,3 +129,44 @@ def test_the_same_friction_at_all_pressures_is_the_number() -> None:
     one, other = (solved(each, history=history).contact_history("main") for each in (0.5, table))
     for name in ("traction", "slip", "dissipation"):
         assert np.array_equal(getattr(one, name)[:], getattr(other, name)[:])
+
+
+def test_friction_over_temperature_is_that_of_the_surfaces(tmp_path: Path) -> None:
+    tables: dict[str, Any] = {
+        "geometry": cylinder(size=0.06),
+        "bodies": {
+            name: {**body, "expansion": 0.0, "reference_temperature": 20.0}
+            for name, body in PAD["bodies"].items()
+        },
+        "contacts": {
+            "main": {
+                **PAD["contacts"]["main"],
+                "friction": {"temperature": [20.0, 220.0], "values": [0.2, 0.6]},
+            }
+        },
+        "loads": {
+            "press": press(),
+            "heat": {
+                "type": "temperature",
+                "bodies": ["upper"],
+                "points": [[-13.0, -1.0], [13.0, -1.0], [-13.0, 40.0], [13.0, 40.0]],
+                "values": [420.0, 420.0, 420.0, 420.0],
+                "history": [HOLD, {"ramp": 0.5, "until": 2.0, "steps": 2}],
+            },
+            "shear": {
+                **TOP,
+                "direction": "x",
+                "control": "displacement",
+                "history": [{"hold": True, "until": 2.0}, {"ramp": 0.05, "until": 3.0, "steps": 2}],
+            },
+        },
+        "supports": BASE,
+    }
+    history = fretfe.run(parse_case(pad(**tables))).contact_history("main")
+    # The upper body is at 220, the lower one at 20 degrees.
+    assert np.allclose(history.friction.at(-1), 0.4, atol=1e-12)
+    pressure, shear = history.surface.weights @ history.traction[-1]
+    assert abs(shear) == pytest.approx(0.4 * pressure, rel=1e-9)
+    tables["loads"].pop("heat")
+    with pytest.raises(CaseError, match="expected a load that changes the temperature of upper"):
+        fretfe.run(parse_case(pad(**tables)))

@@ -264,6 +264,20 @@ def heatings(loads: Sequence[SpreadLoad], body: str) -> list[Heating]:
     return [load for load in loads if isinstance(load, Heating) and load.strains(body)]
 
 
+def surface_temperatures(
+    case: Case, loads: Sequence[SpreadLoad], bodies: Sequence[str], points: Array, history: History
+) -> Array:
+    """(T, N) mean temperature of bodies at places (N, d) of both in the states of a history."""
+    found = np.zeros((len(history.times), len(points)))
+    for body in bodies:
+        start = case.bodies[body].reference_temperature or 0.0
+        found += start
+        for load in heatings(loads, body):
+            parts = load.amplitudes(history.values[:, history.channels.index(load.channel)])
+            found += np.outer(parts, load.temperature_change(body, start, points))
+    return found / len(bodies)
+
+
 def require_temperatures(case: Case, loads: Sequence[SpreadLoad], history: History) -> None:
     """Check that no temperature of a history is below absolute zero.
 
