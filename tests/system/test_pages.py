@@ -24,6 +24,8 @@ COARSER = {
     "edge_size = 0.002 }": "edge_size = 0.05, flank_size = 0.4 }",
     "edge_size = 0.004 }": "edge_size = 0.05, flank_size = 0.4 }",
     "edge_size = 0.004\n": "edge_size = 0.05\nflank_size = 0.4\n",
+    "steps = 16 }": "steps = 4 }",
+    "steps = 8 }": "steps = 2 }",
     "steps_per_cycle = 20": "steps_per_cycle = 8",
     "steps_per_cycle = 32": "steps_per_cycle = 8",
     "steps_per_cycle = 40": "steps_per_cycle = 8",
