@@ -7,6 +7,8 @@ import datetime as dt
 import os
 from typing import TypeVar
 
+import pytest
+
 T = TypeVar("T")
 LONG = os.environ.get("FRETFE_CAMPAIGN") == "long"
 _YEAR, _WEEK, _ = dt.date.today().isocalendar()
@@ -17,3 +19,11 @@ SEED = int(os.environ.get("FRETFE_CAMPAIGN_SEED", 100 * _YEAR + _WEEK))
 def by_extent(short: T, long: T) -> T:
     """Return what belongs to the form that runs."""
     return long if LONG else short
+
+
+def every_so_many_weeks(weeks: int, turn: int) -> pytest.MarkDecorator:
+    """Of dear tests of one thing CI runs another one each week, the long form all of them."""
+    return pytest.mark.skipif(
+        not LONG and SEED % weeks != turn,
+        reason=f"CI runs it every {weeks} weeks, FRETFE_CAMPAIGN=long at any time",
+    )

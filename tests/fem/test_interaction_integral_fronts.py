@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from campaign.extent import every_so_many_weeks
 from cases import blocks
 from cases.contact_runs import ramp
 from reference import bonded_circle
@@ -318,6 +319,7 @@ def ball_errors(
 
 # Errors are those of the mesh: the bonded front is as ragged as the nodes at it.
 @pytest.mark.slow
+@every_so_many_weeks(2, 0)
 def test_bonded_sphere() -> None:
     """Twelve elements over the radius: one per cent low on the average, the least for P."""
     errors = ball_errors(Ellipse(1.0, 1.0), 1 / 12, 0.3, [Tube(0.3, 0.6), Tube(0.4, 0.8)])
@@ -332,6 +334,7 @@ def test_bonded_sphere() -> None:
 
 
 @pytest.mark.slow
+@every_so_many_weeks(2, 1)
 def test_bonded_ellipse() -> None:
     """Eight elements over the smaller half axis, four over the radius of the front at its ends."""
     ellipse = Ellipse(1.0, 0.5)

@@ -10,6 +10,7 @@ from typing import Any
 import gmsh
 import numpy as np
 import pytest
+from campaign.extent import every_so_many_weeks
 from cases.cycled_sphere import FORCE, FRICTION, PEAK, cycles, tables
 from cases.pad_cases import pad, press
 from harness.told import Told
@@ -139,6 +140,7 @@ def test_solids_of_a_cad_file_begin_with_an_element_size(step: Path) -> None:
 
 
 @pytest.mark.slow
+@every_so_many_weeks(2, 0)
 def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
     data = cad_tables(step, size=0.5)
     data["edges"] = {"tolerance": 0.05, "stations": 12, "unknowns": 50_000, "local": False}
@@ -157,6 +159,7 @@ def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
 
 
 @pytest.mark.slow
+@every_so_many_weeks(2, 1)
 def test_sphere_until_the_limit() -> None:
     """A mesh with too many unknowns is not solved; what the one before gave is kept."""
     data = tables(FRICTION, shear=cycles())

@@ -11,6 +11,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from campaign.extent import every_so_many_weeks
 from harness.launch import python
 
 DEMOS = Path(__file__).parents[2] / "demos"
@@ -19,6 +20,8 @@ SCRIPTS = sorted(path for path in DEMOS.glob("*.py") if path.stem != "compare")
 GALLERY = runpy.run_path(str(DEMOS.parent / "tools" / "site" / "gallery.py"))["SHOWN"]
 MAPS = "applicability"
 OTHERS = [path for path in SCRIPTS if path.stem not in (*GALLERY, MAPS)]
+# Those that take longest take turns; pages and tests of crystals and parts do the like each time.
+TURNS = {"crystal": 0, "submodel": 1}
 # Its maps have 112 cells of a second each: the corners of each panel draw the same figure.
 CORNERS = """
 import sys; sys.path.insert(0, sys.argv[1])
@@ -85,7 +88,17 @@ def test_a_value_that_is_off_makes_a_demo_fail() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("script", OTHERS, ids=[path.stem for path in OTHERS])
+@pytest.mark.parametrize(
+    "script",
+    [
+        pytest.param(
+            path,
+            id=path.stem,
+            marks=[every_so_many_weeks(2, TURNS[path.stem])] if path.stem in TURNS else [],
+        )
+        for path in OTHERS
+    ],
+)
 def test_demo(script: Path, demos: Path, tmp_path: Path) -> None:
     done = python(demos / script.name, timeout=600, folder=tmp_path)
     assert done.returncode == 0, done.stdout + done.stderr

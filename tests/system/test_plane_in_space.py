@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from campaign.extent import every_so_many_weeks
 from cases import blocks
 from cases.contact_runs import ramp
 from scipy.spatial import cKDTree
@@ -272,8 +273,8 @@ PULLED = {
     ("name", "degree"),
     [
         ("dovetail", 1),
-        pytest.param("dovetail", 2, marks=pytest.mark.slow),
-        pytest.param("firtree", 1, marks=pytest.mark.slow),
+        pytest.param("dovetail", 2, marks=(pytest.mark.slow, every_so_many_weeks(2, 0))),
+        pytest.param("firtree", 1, marks=(pytest.mark.slow, every_so_many_weeks(2, 1))),
     ],
 )
 def test_extruded_roots_are_the_plane_roots(name: str, degree: int) -> None:

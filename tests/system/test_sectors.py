@@ -95,7 +95,6 @@ def test_hoop_stress_of_a_spinning_annulus() -> None:
     assert coarse / fine > 6  # quadratic elements
 
 
-@pytest.mark.mpi
 def test_sides_whose_nodes_are_no_images() -> None:
     """The stress next to them is as good as elsewhere."""
     coarse, fine = (annulus_error(n, 0.4) for n in (10, 20))
@@ -269,7 +268,6 @@ def test_a_solid_sector_about_any_axis() -> None:
     assert np.abs(shear[0] - shear[1]).max() < 1e-9 * np.abs(straight.tractions).max()
 
 
-@pytest.mark.mpi
 def test_a_turned_sector_has_the_same_tractions() -> None:
     assert_same(one_sector(31.0).tractions, one_sector().tractions)
 

@@ -18,6 +18,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from campaign.extent import every_so_many_weeks
 from reference.halfspace import HalfSpaceRun, SphereOnFlat, run_forces
 from scipy.spatial import cKDTree
 
@@ -314,6 +315,7 @@ def falling(radius: Array) -> Array:
     return 0.6 - 0.3 * radius**2
 
 
+@every_so_many_weeks(2, 0)
 def test_friction_by_radius_is_that_of_half_spaces(
     solved: Solve, sheared: Solution, tmp_path: Path
 ) -> None:
@@ -341,6 +343,7 @@ def test_friction_by_radius_is_that_of_half_spaces(
     assert path[-1] - path[1] == pytest.approx(moves[-1] - moves[0], rel=0.02)
 
 
+@every_so_many_weeks(2, 1)
 def test_turning_load_moves_the_sphere_as_half_spaces_do(
     turned: Solution, twin: HalfSpaceRun
 ) -> None:
@@ -351,6 +354,7 @@ def test_turning_load_moves_the_sphere_as_half_spaces_do(
     assert np.linalg.norm(path - expected, axis=1).max() < 0.01 * np.abs(expected).max()
 
 
+@every_so_many_weeks(2, 1)
 @pytest.mark.parametrize("state", [RISE + TURN // 2, RISE + TURN], ids=["180", "360"])
 def test_turning_load_leaves_the_shear_of_half_spaces(
     turned: Solution, twin: HalfSpaceRun, state: int
