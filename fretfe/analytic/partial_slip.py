@@ -53,8 +53,6 @@ from fretfe.analytic.profiles import Hertz, Profile
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)
 # Share of 4 f p0 by which round-off may take a tension beyond a bound: the bound itself is valid.
 ROUND_OFF = 1e-12
-# Numbers that are held at the same time, of points and nodes.
-LARGEST = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -409,7 +407,7 @@ def linear_stress(
     place.real, place.imag = x, -check_range("depth", depth, low=0.0)
     jumps = [np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0)
              for each in (pressure, shear)]  # fmt: skip
-    size = max(LARGEST // len(nodes), 1)
+    size = max(1_000_000 // len(nodes), 1)  # points at a time
     found = []
     for start in range(0, len(place), size):
         here = place[start : start + size]

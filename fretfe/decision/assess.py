@@ -38,16 +38,6 @@ from fretfe.files import json_value
 from fretfe.results.model import Result
 from fretfe.strength.margins import Margin, result_labels, strength_map
 
-# Places along the surface at which critical distances are looked at, from five of them outside the
-# edge to two inside, or to the end of the slip zone.
-PLACES = 22
-OUTSIDE = 5.0
-INSIDE = 2.0
-# Cracks are looked at from this part of a0 on, if elements are not larger: the threshold is then
-# that of the fatigue limit to 5 %.
-SHORTEST = 0.1
-
-
 SCHEMA = {"name": "fretfe-assessment", "version": 1}
 # Attributes of an edge and of a judgement, which are keys of the file.
 OF_EDGE = ("contact", "edge", "body", "life", "bar")
@@ -265,7 +255,9 @@ def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
     """Arrest of cracks, and the life between two lengths at the worst angle."""
     if data.threshold is None or data.limit is None:
         return "fatigue.threshold and fatigue.limit are not both given", math.nan
-    drive = crack_drive(field, SHORTEST * short_length(data.threshold, data.limit))
+    # The threshold of a tenth of a0 is 5 % below that of the limit; shorter cracks depend on the
+    # elements.
+    drive = crack_drive(field, 0.1 * short_length(data.threshold, data.limit))
     found = judge_arrest(drive, data.threshold, data.limit)
     if isinstance(found, str) or data.growth is None or data.lengths is None:
         return found, math.nan
@@ -314,17 +306,15 @@ def _by_distances(
 
 
 def _places(field: EdgeField, station: Station, length: float) -> Array:
-    """(PLACES,) x along the surface."""
+    """(m,) x along the surface: a few critical distances around the edge, all of the slip zone."""
     outward, inward = field.smooth.widest
     zone = station.longest_zone
     slip = 0.0 if zone is None or not math.isfinite(zone.length) else zone.length
-    return np.linspace(
-        -min(OUTSIDE * length, outward), min(max(INSIDE * length, slip), inward), PLACES
-    )
+    return np.linspace(-min(5 * length, outward), min(max(2 * length, slip), inward), 22)
 
 
 def _mean(field: EdgeField, places: Array, method: Distance, length: float) -> Array:
-    """(n, PLACES, 6) mean stress below places of the surface, as of `critical_planes.PAIRS`."""
+    """(n, m, 6) mean stress below places of the surface, as of `critical_planes.PAIRS`."""
     below, weights = distance_points(method, length)
     points = np.stack([places, np.zeros_like(places)], axis=1)[:, None] + below
     stress = field.stress(points.reshape(-1, 2)).reshape(-1, len(places), len(weights), 4)
@@ -365,7 +355,7 @@ def _by_endurance(
 
 
 def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:
-    """What the margins leave out, in words."""
+    """Things that the margins leave out, in words."""
     yield "friction is taken as it is given: run other coefficients to see what it changes"
     if unsteady := [each.name for each in result.contacts if not each.steady]:
         yield f"the cycle is not steady: {', '.join(unsteady)}"

@@ -17,9 +17,6 @@ import numpy as np
 
 from fretfe._typing import Array
 
-# Of the radius of a ball: the search ends at this difference of its bounds.
-BALL = 1e-5
-ROUNDS = 2000
 Distance = Literal["point", "line", "area"]
 
 
@@ -96,13 +93,13 @@ def smallest_ball(ways: Array) -> tuple[Array, Array]:
     count = ways.shape[1]
     columns = np.arange(count)
     weights = np.full(ways.shape[:2], 1 / len(ways))
-    for _ in range(ROUNDS):
+    for _ in range(2000):
         middle = np.einsum("nm,nmk->mk", weights, ways)
         squares = np.sum((ways - middle) ** 2, axis=2)
         far = np.argmax(squares, axis=0)
         near = np.argmin(np.where(weights > 0, squares, np.inf), axis=0)
         largest, mean = squares[far, columns], np.sum(weights * squares, axis=0)
-        if np.all(largest - mean <= 2 * BALL * largest):
+        if np.all(largest - mean <= 2e-5 * largest):  # 1e-5 of the radius
             break
         apart = np.sum((ways[far, columns] - ways[near, columns]) ** 2, axis=1)
         best = (largest - squares[near, columns]) / np.where(apart > 0, 2 * apart, 1.0)

@@ -29,11 +29,8 @@ from fretfe.history.solution import ContactHistory
 from fretfe.materials.moduli import plane_modulus
 from fretfe.results.model import Result
 
-# Elements next to an edge that are divided, and parts of each of them: the pressure has a root.
-DIVIDED = 4.0
+# Parts of each element next to an edge: the pressure has a root.
 PARTS = 12
-# Half-planes are asked for the stress up to so many half-widths from the edge.
-FARTHEST = 4.0
 # Elements above which the stress of elements is not used, and powers of each coordinate.
 SHALLOW = 2.0
 POWER = 3
@@ -243,7 +240,7 @@ def _divided(arc: Array, ends: Array, mouth: float) -> Array:
     """
     lengths = np.diff(arc)
     places = np.sort(ends[np.isfinite(ends)])
-    around = DIVIDED * lengths
+    around = 4 * lengths
     first = np.searchsorted(places, arc[:-1] - around)
     inside = first < np.searchsorted(places, arc[1:] + around)
     more = arc[:-1][inside, None] + lengths[inside, None] * np.arange(1, PARTS) / PARTS
@@ -294,7 +291,8 @@ def _bulk(result: Result, contact: Contact, states: Indices, number: int) -> Smo
     body = isotropic(result.case.bodies[(pair.body1, pair.body2)[number]])
     assert body is not None
     values[:, 0, 2] = (body.poisson if plane == "strain" else 0.0) * values[:, 0, 0]
-    width = FARTHEST * float(np.nanmax(contact.half_width[states]))
+    # Half-planes are asked for the stress up to four half-widths from the edge.
+    width = 4 * float(np.nanmax(contact.half_width[states]))
     return SmoothStress(np.zeros((1, 2), dtype=np.int64), 1.0, values, 0.0, width, (width, width))
 
 

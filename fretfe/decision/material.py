@@ -17,11 +17,7 @@ from fretfe.case.messages import complaint
 from fretfe.case.units import METRES, STRESSES
 from fretfe.decision.thresholds import FatigueLimit, GrowthLaw, Threshold
 from fretfe.errors import CaseError
-
-# A body is of the material if Young's modulus agrees to this fraction, and Poisson's ratio to this
-# difference, with any that the file has.
-YOUNG = 0.05
-POISSON = 0.02
+from fretfe.strength.margins import POISSON, YOUNG
 
 
 @dataclass(frozen=True)
@@ -50,7 +46,7 @@ class FatigueData:
     lengths: tuple[float, float] | None
 
     def disagreement(self, body: AnyBody) -> str:
-        """Reason why a body is not of this material, or an empty text."""
+        """Reason why a body is not of this material, or an empty text; alike as for tests."""
         own = isotropic(body)
         if own is None:
             return "the body is a crystal"

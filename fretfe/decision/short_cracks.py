@@ -26,10 +26,7 @@ from fretfe.decision.thresholds import (
 )
 
 # Degrees from the inward normal.
-ANGLES = np.arange(-60.0, 61.0, 10.0)
-# Distances along a crack at which its stress is computed, and lengths that are looked at.
-DISTANCES = 120
-LENGTHS = 40
+CRACK_ANGLES = np.arange(-60.0, 61.0, 10.0)
 
 
 @dataclass(frozen=True)
@@ -52,7 +49,9 @@ class CrackDrive:
     ratios: Array
 
 
-def crack_drive(field: EdgeField, shortest: float = 0.0, angles: Array = ANGLES) -> CrackDrive:
+def crack_drive(
+    field: EdgeField, shortest: float = 0.0, angles: Array = CRACK_ANGLES
+) -> CrackDrive:
     """The drive of cracks from the mouth of a field, from an element to all that is known.
 
     Args:
@@ -62,8 +61,8 @@ def crack_drive(field: EdgeField, shortest: float = 0.0, angles: Array = ANGLES)
     """
     turns = np.radians(angles)
     reaches = [field.reach(float(each)) for each in turns]
-    lengths = np.geomspace(max(field.size, shortest), max(reaches), LENGTHS)
-    factors = np.full((2, len(field.states), len(angles), LENGTHS), np.nan)
+    lengths = np.geomspace(max(field.size, shortest), max(reaches), 40)
+    factors = np.full((2, len(field.states), len(angles), len(lengths)), np.nan)
     for place, (turn, reach) in enumerate(zip(turns, reaches, strict=True)):
         inside = lengths <= reach * (1 + 1e-9)
         if inside.any():
@@ -78,7 +77,7 @@ def _factors(field: EdgeField, turn: float, lengths: Array) -> Array:
     The stress goes with the root of the distance next to an edge: straight in that between places.
     """
     cracks = EdgeCracks.of([turn])
-    roots = np.linspace(0, 1, DISTANCES) ** 2 * math.sqrt(lengths[-1])
+    roots = np.linspace(0, 1, 120) ** 2 * math.sqrt(lengths[-1])
     stress = field.along(turn, roots**2)[..., [0, 1, 3]]
     wanted = np.sqrt(np.multiply.outer(lengths, cracks.places))
     above = np.clip(np.searchsorted(roots, wanted), 1, len(roots) - 1)
