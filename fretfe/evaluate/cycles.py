@@ -22,6 +22,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
 from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import CountedCycles, StationHistory, no_cycles
+from fretfe.evaluate.edge_memory import slip_drive
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -42,47 +43,33 @@ SAME_LOAD = 1e-9
 FALLING = 0.98
 
 
-def slip_reversals(forward: Array, backward: Array) -> Indices:
+def slip_phases(drive: Array, forward: Array, backward: Array) -> tuple[Indices, Indices]:
     """Last states of the phases in which slip goes one way, in time order.
 
-    Of a plateau the first state counts. Between two phases an edge may stick.
+    Of a plateau the first state counts. Between two phases an edge may stick. It slips the same way
+    in both if it has covered new places in between, on which slip does not come to that before.
 
     Args:
-        forward: (T,) grows while the edge slips forward.
-        backward: (T,) falls while the edge slips backward; the same as `forward` at constant load.
+        drive: (T,) of slip, as of `slip_drive`.
+        forward: (T,) K_T - f K_I.
+        backward: (T,) K_T + f K_I.
 
     Returns:
-        (n,) ends; forward and backward phases alternate, the last one may not be complete.
+        (n,) ends, and (n,) directions: 1 forward, -1 backward. The last phase may not be complete.
     """
-    return slip_phases(forward, backward)[0]
-
-
-def slip_phases(forward: Array, backward: Array) -> tuple[Indices, Indices]:
-    """As `slip_reversals`, and (n,) the directions of the phases: 1 forward, -1 backward."""
-    tolerance = TOLERANCE * max(np.ptp(forward), np.ptp(backward))
-    # In the sense of each phase: what makes it go on, what turns it round.
-    senses = {
-        1: (forward.tolist(), backward.tolist()),
-        -1: ((-backward).tolist(), (-forward).tolist()),
-    }
-    ends: list[int] = []
-    directions: list[int] = []
-    direction, end, peak = 0, 0, 0
-    for state in range(1, len(forward)):
-        onward, back = senses[direction or 1]
-        if onward[state] - onward[end] > tolerance:
-            end, peak, direction = state, state, direction or 1
-        elif back[state] > back[peak]:
-            peak = state
-        elif back[peak] - back[state] > tolerance:
-            if direction:
-                ends.append(end)
-                directions.append(direction)
-            direction, end, peak = (1 if direction < 0 else -1), state, state
-    if direction:
-        ends.append(end)
-        directions.append(direction)
-    return np.array(ends, dtype=np.int64), np.array(directions, dtype=np.int64)
+    least = TOLERANCE * float(max(np.ptp(forward), np.ptp(backward)))
+    phases = [(0, 0)]  # end and direction
+    for state, value in enumerate(drive.tolist()):
+        end, _ = phases[-1]
+        if abs(value - drive[end]) <= least:
+            continue
+        way = 1 if value > drive[end] else -1
+        reached = forward if way > 0 else -backward
+        while phases[-1][1] == way and reached[state] >= reached[phases[-1][0]] - least:
+            phases.pop()
+        phases.append((state, way))
+    found = np.array(phases, dtype=np.int64)[1:]
+    return found[:, 0], found[:, 1]
 
 
 @dataclass(frozen=True)
@@ -107,14 +94,27 @@ class _Slip:
 
     Attributes:
         forward, backward: (T,) K_T - f K_I and K_T + f K_I.
+        drive: (T,) of slip, up to the last of the states that are looked at; NaN where not known.
         begin: first state from which on they are known, and there is friction.
         fresh: whether nothing has slipped before that state.
     """
 
     forward: Array
     backward: Array
+    drive: Array
     begin: int
     fresh: bool
+
+    def phases(self, states: Indices) -> tuple[Indices, Indices]:
+        """Ends and directions of phases that alternate, in states in any order.
+
+        The step to each state is the one before it in the history.
+        """
+        steps = np.diff(self.drive, prepend=self.drive[:1])[states[1:]]
+        drive = np.append(0.0, np.cumsum(steps))
+        ends, ways = slip_phases(drive, self.forward[states], self.backward[states])
+        turns = np.diff(ways, prepend=0) != 0
+        return ends[turns], ways[turns]
 
     def reached(self, states: Indices | int, way: int) -> Array:
         """Largest drive of slip one way, 1 or -1, in some states."""
@@ -147,7 +147,7 @@ def count_cycles(
         return no_cycles("there is no friction in a part of the cycle")
     slip = _slip(states, friction, station)
     order, closed = _order(states, slip, returns) if len(cycle) else (states, False)
-    ends, directions = slip_phases(slip.forward[order], slip.backward[order])
+    ends, directions = slip.phases(order)
     if not len(ends):
         return no_cycles("nothing varies")
     turns = order[np.append(0, ends)]
@@ -180,7 +180,10 @@ def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
     forward, backward = station.k_t - normal, station.k_t + normal
     gaps = np.flatnonzero(~np.isfinite(forward[: states[0] + 1]))
     begin = max(first, int(gaps[-1]) + 1 if len(gaps) else 0)
-    return _Slip(forward, backward, begin, fresh=begin == first)
+    inside = slice(begin, int(states.max()) + 1)
+    drive = np.full(len(forward), math.nan)
+    drive[inside] = slip_drive(station.k_t[inside], friction.max() * station.k_i[inside])
+    return _Slip(forward, backward, drive, begin, fresh=begin == first)
 
 
 def _order(states: Indices, slip: _Slip, returns: bool) -> tuple[Indices, bool]:
@@ -279,9 +282,9 @@ def _previous(state: int, way: int, period: int, slip: _Slip) -> int:
 
 def _outer_steps(slip: _Slip, start: int, end: int, way: int) -> Bools:
     """(end - start,) steps between two states that drive slip one way farther than before."""
-    inside = slice(start, end + 1)
-    ends, ways = slip_phases(slip.forward[inside], slip.backward[inside])
-    reached = slip.reached(np.arange(start, end + 1), way)
+    inside = np.arange(start, end + 1)
+    ends, ways = slip.phases(inside)
+    reached = slip.reached(inside, way)
     before = np.full(len(reached), -np.inf)
     peaks = ends[ways == way]
     before[peaks] = reached[peaks]

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Growth of a slip zone in a half cycle, by the edge factors: the slip that it leaves behind.
 
-With the depth y inward from the outermost place of the edge and r = f K_N y/2, a place is stuck as
-long as K_T stays within r of what it remembers, c(y): c is what keeps within K_T - f K_I - r and
-K_T + f K_I + r, K_I counted from its largest value, and K_T itself before the place is in contact.
-Where forward slip has come to the depth D, another dK of K_T - f K_I makes slip in proportion to
-sqrt(D - y) dK (the field of a stuck edge, theory guide, slip zones).
+Where forward slip has come to the depth D, by what places remember (`edge_memory`), another dK of
+K_T - f K_I makes slip in proportion to sqrt(D - y) dK (the field of a stuck edge, theory guide,
+slip zones).
 
 If D grows steadily from zero the slip of a half cycle is (D - y)^(3/2). It is not if an inner loop
 closes on the way, so that D jumps, or if the load goes beyond all that was before, behind which D
@@ -22,10 +20,10 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.edge_memory import SLACK, depths, remembered
 from fretfe.evaluate.slip import SlipBorder
 
-# Depths at which the memory is followed, over the largest one, and next to the border no shape.
-LEVELS = 800
+# Next to the border no shape.
 TIP = 0.02
 # Part of the drive by which a loop may miss its beginning by the error of K_T; f K_I, which moves
 # the edge to first order only, counts besides; and the most of both.
@@ -171,15 +169,16 @@ def zone_growth(
         return None
     states = np.arange(begin, end + 1)
     k_t, retreat = station.k_t[states], f * (station.k_i[states].max() - station.k_i[states])
-    largest = 2 * float(np.max(np.abs(k_t - k_t[0]) + retreat))
-    if not largest > 0:
+    ends = depths(k_t, retreat)
+    if not ends[-1] > 0:
         return None
-    radius = np.linspace(0.0, largest, LEVELS + 1)
     counted = outer[states] & (states > start)
-    depth = radius[:-1] + largest / LEVELS / 2
-    ways = [_driven(each, retreat, radius, counted) for each in (k_t, -k_t)]
-    rates, reach = max(ways, key=lambda each: float(each[0].sum()))
-    if not rates.sum() > UNDRIVEN * largest:
+    depth = (ends[1:] + ends[:-1]) / 2
+    ways = [(*_driven(each, retreat, ends, counted), each) for each in (k_t, -k_t)]
+    rates, reach, way = max(ways, key=lambda each: float(each[0].sum()))
+    if rates.any() and (np.diff(retreat) < 0).any():  # the shape is that of the nodes
+        rates, _ = _driven(way, retreat, ends, counted, in_steps=True)
+    if not rates.sum() > UNDRIVEN * ends[-1]:
         rates, reach = 0.0 * rates, 0.0 * reach
     # A steady cycle comes back to its extreme but for round-off, which moves no border.
     rates = np.where(rates > ROUND_OFF * rates.sum(), rates, 0.0)
@@ -246,7 +245,9 @@ def _settled(
     return replace(border, spread=math.hypot(border.spread, border.length - before.length))
 
 
-def _driven(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> tuple[Array, Array]:
+def _driven(
+    k_t: Array, retreat: Array, depth: Array, counted: Bools, in_steps: bool = False
+) -> tuple[Array, Array]:
     """(m,) increase of the drive forward in some steps while the zone ended between two depths.
 
     And (n,) the depth that slip has come to in them at each state.
@@ -256,19 +257,19 @@ def _driven(k_t: Array, retreat: Array, depth: Array, counted: Bools) -> tuple[A
         retreat: (n,) f K_I below its largest value.
         depth: (m + 1,) f K_N y.
         counted: (n,) whether the step to each state counts.
+        in_steps: as of `remembered`.
     """
     radius, rates, reach = depth / 2, np.zeros(len(depth) - 1), np.zeros(len(k_t))
-    memory = np.full(len(depth), k_t[0])
-    for state in range(1, len(k_t)):
-        drive = k_t[state] + retreat[state]
+    for state, memory in enumerate(remembered(k_t, retreat, depth, in_steps), start=1):
+        drive, moved = k_t[state] + retreat[state], retreat[state] - retreat[state - 1]
         reach[state] = reach[state - 1]
         if counted[state]:
+            edge = retreat[state] + float(np.interp(retreat[state], radius, memory))
             # The drive from which on slip reaches each depth.
-            onset = np.maximum.accumulate(memory + radius)
-            before = max(k_t[state - 1] + retreat[state - 1], onset[0])
-            rates += np.diff(np.clip(onset, before, max(drive, before)))
-            if drive - before > ROUND_OFF * depth[-1]:
+            onset = np.maximum.accumulate(np.where(radius < retreat[state], edge, memory + radius))
+            before = max(k_t[state - 1] + retreat[state - 1], edge)
+            # An edge that draws back over places that stick slips no more than round-off.
+            if drive - before > max(ROUND_OFF * depth[-1], SLACK * moved):
+                rates += np.diff(np.clip(onset, before, drive))
                 reach[state] = max(reach[state], float(np.interp(drive, onset, depth)))
-        memory = np.clip(memory, drive - radius, k_t[state] - retreat[state] + radius)
-        memory = np.where(radius < retreat[state], k_t[state], memory)
     return rates, reach

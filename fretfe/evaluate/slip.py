@@ -12,7 +12,8 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
 from fretfe.evaluate.contacts import SlipZone, StationHistory
-from fretfe.evaluate.cycles import Worst, slip_reversals
+from fretfe.evaluate.cycles import Worst, slip_phases
+from fretfe.evaluate.edge_memory import slip_drive
 from fretfe.evaluate.load_path import LoadPath
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
@@ -158,8 +159,11 @@ def slip_zones(
         begin = gripped.until
     zones = []
     halves: Sequence[tuple[int, int]] = [(max(last - 1, begin), last)]
+    pressed = pressed and unlike
     if not pressed:
-        halves = worst.half_cycles if worst else _half_cycles(cycle, friction, station, begin)
+        halves = (
+            worst.half_cycles if worst else _half_cycles(cycle, friction, station, pressing, begin)
+        )
     halves = [(start, end) for start, end in halves if np.isfinite(station.position[end])]
     following = [start for start, _ in halves[1:]] + [last]
     for (start, turn), until in zip(halves, following, strict=False):
@@ -171,10 +175,10 @@ def slip_zones(
         cyclic, loop = _prediction(cycle, friction[end], end, station)
         if end != turn or (len(lengths) and _swept(cycle, friction[end], end, station, loop)):
             loop = float(lengths[end - start])
-        if pressed and not unlike:
-            cyclic = 0.0
-        elif worst and not len(cycle):
+        if worst and not len(cycle):
             cyclic = worst.predicted
+        elif not pressed and not len(cycle) and len(lengths) and _moves(station, start, end):
+            cyclic = float(lengths[end - start])
         elif fresh and start == begin and not pressed and math.isfinite(station.k_n[end]):
             rise = float(station.k_t[end] - station.k_t[begin])
             # What is locked in already leaves less of f p on that side, and more on the other.
@@ -184,7 +188,7 @@ def slip_zones(
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
             spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
-        if not unlike:
+        if not unlike and border.length > 0:
             since = pressing
             if start > begin and len(cycle):  # others slip where the first one has
                 since = max(begin, end - int(cycle[-1] - cycle[0]))
@@ -208,6 +212,12 @@ def slip_zones(
         foretold = float(lengths[end - start]) if len(lengths) else math.nan
         zones.append(_doubted(zone, border.spread, foretold))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
+
+
+def _moves(station: StationHistory, start: int, end: int) -> bool:
+    """True if P moves an edge between two states."""
+    inside = station.k_i[start : end + 1]
+    return bool(np.ptp(inside) > UNDRIVEN * np.abs(inside).max())
 
 
 def _falls(friction: Array, start: int, end: int) -> bool:
@@ -361,38 +371,34 @@ def _doubted(zone: SlipZone, spread: float, foretold: float) -> SlipZone:
 
 
 def _half_cycles(
-    cycle: States, friction: Array, station: StationHistory, first: int
+    cycle: States, friction: Array, station: StationHistory, begin: int, first: int
 ) -> list[tuple[int, int]]:
     """First and last state of each half cycle in which an edge slips one way, from `first` on.
 
-    Forward slip grows as long as K_T - f K_I does, backward slip as long as K_T + f K_I falls: at
-    constant normal load half cycles end where K_T reverses. What comes after the evaluated cycle
-    has other ranges than those that are told, and is left out. A cycle in which nothing drives slip
-    on is a half cycle of its own.
+    What places have remembered since `begin` tells when that is: at constant normal load half
+    cycles end where K_T reverses. What comes after the evaluated cycle has other ranges than those
+    that are told, and is left out. A cycle in which nothing drives slip on is a half cycle of its
+    own.
     """
     last = last_state(cycle, station)
     k_t, k_i = station.k_t[: last + 1], station.k_i[: last + 1]
     f = friction.max()  # the same in all steps with friction
     forward, backward = k_t - f * k_i, k_t + f * k_i
-    ends = [first + int(end) for end in slip_reversals(forward[first:], backward[first:])]
-    states = cycle if len(cycle) else np.arange(first, last + 1)
-    if len(ends) > 1 and ends[-1] == last and not _at_extreme(forward, backward, states, last):
-        ends.pop()
+    drive = np.append(np.zeros(begin), slip_drive(k_t[begin:], f * k_i[begin:]))
+    phases, _ = slip_phases(drive[first:], forward[first:], backward[first:])
+    ends = [first + int(end) for end in phases]
+    if len(cycle) and len(ends) > 1 and ends[-1] == last:
+        if not _at_extreme(forward, backward, cycle, last):
+            ends.pop()
     ends = ends or [last]
     halves = list(zip([first, *ends[:-1]], ends, strict=True))
     if not len(cycle):
         return halves
-    return (
-        [*halves, (int(cycle[0]), last)] if _at_rest(halves, forward, backward, cycle) else halves
-    )
-
-
-def _at_rest(
-    halves: Sequence[tuple[int, int]], forward: Array, backward: Array, cycle: States
-) -> bool:
-    """True if no half cycle begins or ends in a cycle, and nothing drives slip on in it."""
-    turns = [each for half in halves for each in half if cycle[0] < each < cycle[-1]]
-    return not turns and not _driven_on(forward, backward, cycle)
+    # Of a cycle in which slip neither turns round nor is driven on.
+    inside = [each for half in halves for each in half if cycle[0] < each < cycle[-1]]
+    if inside or _driven_on(drive[cycle], forward, backward):
+        return halves
+    return [*halves, (int(cycle[0]), last)]
 
 
 def _before_cycle(halves: Sequence[tuple[int, int]], cycle: States) -> int:
@@ -407,10 +413,10 @@ def _before_cycle(halves: Sequence[tuple[int, int]], cycle: States) -> int:
     return 1 if len(halves) == 2 and halves[0][1] <= cycle[0] else 0
 
 
-def _driven_on(forward: Array, backward: Array, cycle: States) -> bool:
-    """True if slip one way goes on in a cycle beyond its first state."""
-    within = forward[cycle].max() - forward[cycle[0]], backward[cycle[0]] - backward[cycle].min()
-    return bool(max(within) > UNDRIVEN * max(np.ptp(forward), np.ptp(backward)))
+def _driven_on(drive: Array, forward: Array, backward: Array) -> bool:
+    """True if slip goes on beyond the first state of a cycle, by what drives it in its states."""
+    within = np.abs(drive - drive[0]).max()
+    return bool(within > UNDRIVEN * max(np.ptp(forward), np.ptp(backward)))
 
 
 def in_cycle(cycle: States, station: StationHistory) -> StationHistory:

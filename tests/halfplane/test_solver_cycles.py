@@ -155,7 +155,8 @@ def test_an_edge_that_moves_more_than_it_is_sheared_does_not_slip() -> None:
     # quarter of that with half the steps.
     constant = float(hertz_dissipation(HERTZ, LOAD, FRICTION, 0.1 * LIMIT))
     assert summary.dissipation < 0.004 * constant
-    assert [zone.length for edge in summary.stations for zone in edge.slip_zones[-2:]] == [0.0] * 4
+    zones = [edge.slip_zones for edge in summary.stations]
+    assert [[zone.length for zone in each] for each in zones] == [[0.0], [0.0]]
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])

@@ -12,7 +12,8 @@ import pytest
 from fretfe.analytic._numerics import Side
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import StationHistory
-from fretfe.evaluate.cycles import slip_reversals
+from fretfe.evaluate.cycles import slip_phases
+from fretfe.evaluate.edge_memory import slip_drive
 from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
@@ -243,7 +244,7 @@ REVERSALS = {
 @pytest.mark.parametrize(("values", "expected"), REVERSALS.values(), ids=REVERSALS)
 def test_reversals_at_constant_normal_load(values: list[float], expected: list[int]) -> None:
     k_t = np.array(values, dtype=float)
-    assert slip_reversals(k_t, k_t).tolist() == expected
+    assert slip_phases(slip_drive(k_t, 0 * k_t), k_t, k_t)[0].tolist() == expected
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -252,7 +253,7 @@ def test_reversals_under_varying_normal_load(phase: float, sign: float) -> None:
     angle = np.arange(3 * 72 + 1) * np.radians(5)
     k_t, f_k_i = sign * np.sin(angle), 0.4 * np.sin(angle - np.radians(phase))
     forward, backward = k_t - f_k_i, k_t + f_k_i
-    ends = slip_reversals(forward, backward)
+    ends, _ = slip_phases(slip_drive(k_t, f_k_i), forward, backward)
     # each direction ends once a cycle, at the extreme of its own signal
     first_up, first_down = np.argmax(forward[:72]), np.argmin(backward[:72])
     assert set(ends[1:-1]) <= {n * 72 + first for n in range(3) for first in (first_up, first_down)}
