@@ -15,7 +15,7 @@ from typing import Any
 
 import tomli_w
 from faults.fault import CHECK, HALFPLANE, Fault, Prepare, damaged, text_fault
-from faults.originals import BETWEEN, COATED, PAD, SOLID, leaves
+from faults.originals import BETWEEN, COATED, PAD, RUBBED, SOLID, leaves
 
 HUGE = 10**400
 # Hostile values, as TOML has them.
@@ -98,6 +98,10 @@ def _values() -> Iterator[Fault]:
     for path, name in product(between, VALUES):
         fault = _with_value("coated", COATED, path, name, CHECK)
         yield replace(fault, prepare=beside("gap.csv", fault.prepare))
+    for kind, tables in RUBBED.items():
+        own = [path for path in leaves(tables) if "friction" in path or "start" in path]
+        for path, name in product(own, VALUES):
+            yield _with_value(kind, tables, path, name, CHECK)
 
 
 def _with_value(
