@@ -320,16 +320,18 @@ class RangeSpread:
             which one end is unknown, and what near cuts leave open.
         steps: how far K_T exceeds the range between the steps, and what the movement of the edge
             within them may change.
+        layer: what a layer between the surfaces gives.
     """
 
     extraction: float
     discretisation: float
     steps: float
+    layer: float = 0.0
 
     @property
     def total(self) -> float:
         """All parts together; NaN if one is unknown."""
-        return math.hypot(self.extraction, self.discretisation, self.steps)
+        return math.hypot(self.extraction, self.discretisation, self.steps, self.layer)
 
 
 @dataclass(frozen=True)

@@ -247,8 +247,9 @@ class EdgeData(ABC):
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         swing = cycle_range(along.k_t, states)
-        parts = [*self.unresolved(number, direction), self.layer(number).range_error * swing]
+        parts = self.unresolved(number, direction)
         spread = range_spread(self.factors, number, direction, parts, states, self.path)
+        spread = replace(spread, layer=self.layer(number).range_error * swing)
         point, frame = self.place(number, history.decisive)
         fitted = self.factors.fitted
         exponents = np.broadcast_to(self.fits[number].exponent, history.k_n.shape)

@@ -38,6 +38,7 @@ FEWEST_ELEMENTS = 4
 PARTS = {
     "extraction": "the radii of the integral disagree",
     "discretisation": "the front is somewhere within an element, or elements along it are long",
+    "layer": "the layer gives over a length E*/k that is not short against the half-width",
     "steps": "K_T and K_S may go farther between the steps: take more steps per cycle",
 }
 
@@ -112,7 +113,9 @@ def no_range(station: Station) -> str:
     if not math.isfinite(station.k_range_spread):
         lost = " and ".join(name for name, part in parts.items() if not math.isfinite(part))
         return f"the range of K_T and K_S has no error bar ({lost or 'nothing to compare with'})"
-    largest = max(parts, key=lambda name: parts[name])
+    # A layer that matters disturbs the other parts, too.
+    by_layer = station.k_range_parts.layer > 0.1 * station.k_range
+    largest = "layer" if by_layer else max(parts, key=lambda name: parts[name])
     return (
         f"the range of K_T and K_S is {_with_bar(station.k_range, station.k_range_spread)}, an "
         f"error bar of more than half of it: {PARTS.get(largest, largest)}"

@@ -23,7 +23,7 @@ def d(edge: float, border: float) -> float:
 
 
 # P and Q at the turns, over P and f P, and end and length of each zone, in ways from turn to turn.
-HISTORIES = {
+HISTORIES: dict[str, tuple[list[tuple[float, float]], list[tuple[float, float]]]] = {
     # Punches from .7 to .95 carry -.6 f, and take 1.6 f each as Q turns.
     "sheared as it is covered": (
         [(1, 0), (0.7, 0), (0.95, -0.15), (0.95, -0.05)],

@@ -23,6 +23,7 @@ EXPECTED = {
     "mpirun": ("how-mpi",),
     "own mesh": ("how-own-mesh",),
     "load history": ("how-load-history",),
+    "coating": ("how-interface", "case-file"),
     "global model": ("how-global-model",),
     "sweep": ("sweep", "glossary"),
     "notebook": ("how-notebook",),

@@ -30,6 +30,7 @@ SECTIONS = {
         "how-own-mesh",
         "new-geometry",
         "how-load-history",
+        "how-interface",
         "how-global-model",
         "sweep",
         "how-mpi",
