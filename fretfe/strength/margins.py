@@ -12,6 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.case import AnyBody, isotropic
+from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.quality.ends import beside_end
@@ -101,10 +102,14 @@ def _edges(result: Result, label: str) -> Iterator[ComponentEdge]:
     for contact in result.contacts:
         for front in contact.fronts:
             for station in front.defined:
-                yield _edge(result, label, contact, station, list(_remarks(result, station)))
+                remarks = list(_remarks(result, contact, station))
+                yield _edge(result, label, contact, station, remarks)
 
 
-def _remarks(result: Result, station: Station) -> Iterator[str]:
+def _remarks(result: Result, contact: Contact, station: Station) -> Iterator[str]:
+    for kind in (Kind.LAYER, Kind.FRICTION_VARIES):
+        if any(each.kind is kind for each in contact.warnings):
+            yield f"{kind.heading}, which tests without that do not cover"
     if station.cycles.irregular:
         yield (
             "the loads are irregular: judged is the range over the whole cycle, other counted "

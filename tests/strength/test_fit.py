@@ -22,6 +22,7 @@ from fretfe._typing import Array, Bools
 from fretfe.api import StrengthMap
 from fretfe.case import Units
 from fretfe.case.units import same_unit
+from fretfe.caution import Caution, Kind, Subject
 from fretfe.errors import CaseError, ConvergenceError
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
@@ -281,6 +282,15 @@ def test_edges_that_cannot_be_judged(tests: Path) -> None:
     varying = with_edges(lambda edge: replace(edge, k_i_range=edge.k_t_range))
     (remark,) = fretfe.strength_map(tests, [varying], LIFE).margins[0].edge.remarks
     assert remark == "P varies: f ΔK_I is 40% of ΔK_T, which the tests do not cover"
+
+
+def test_a_layer_that_matters_is_remarked(tests: Path) -> None:
+    run = solved("halfplane")
+    layered = Caution(Kind.LAYER, Subject("main"), "it gives over a length of 0.2")
+    contacts = tuple(replace(each, warnings=(layered,)) for each in run.contacts)
+    margins = fretfe.strength_map(tests, [replace(run, contacts=contacts)], LIFE).margins
+    for each in margins:
+        assert any(remark.startswith("a layer rounds off") for remark in each.edge.remarks)
 
 
 def test_stations_of_solids(tmp_path: Path) -> None:
