@@ -40,7 +40,7 @@ COARSER = {"geometry.parameters.edge_size": 0.004}
 FEWER = {
     "crystal.py": [("[15.0, 30.0, 45.0, 60.0]", "[30.0, 60.0]")],
     "crystal.toml": [
-        ("edge_size = 0.0025", "edge_size = 0.006"),
+        ("edge_size = 0.0025", "edge_size = 0.008"),
         ("growth = 0.3", "growth = 0.5"),
         ("cycles = 2", "cycles = 1"),
     ],
