@@ -55,7 +55,7 @@ def sphere(down: list[dict[str, Any]]) -> tuple[Station, ...]:
     load = SHARE * LIMIT
     turns = [{"ramp": (-1) ** k * load, "until": 2.0 + k, "steps": 3} for k in range(3)]
     tables = cycled_sphere.tables(FRICTION, shear=[HOLD, *turns])
-    tables["geometry"]["parameters"]["size"] = 0.14
+    tables["geometry"]["parameters"]["size"] = 0.18
     loads = tables["loads"]
     del loads["twist"]
     loads["press"]["history"] += [{"hold": True, "until": 4.0}, *down]
