@@ -211,8 +211,10 @@ def flat(probe: Probe) -> Probe:
     )
 
 
-@pytest.mark.mpi
-@pytest.mark.parametrize("young", [1000.0, 200.0], ids=["equal", "unlike"])
+@pytest.mark.parametrize(
+    "young",
+    [pytest.param(1000.0, id="equal"), pytest.param(200.0, id="unlike", marks=pytest.mark.mpi)],
+)
 def test_extruded_contact_has_the_factors_of_the_plane(young: float) -> None:
     """A tensor product has the plane's solution, and a weight of whole layers its integrals."""
     mesh, extrusion = pad_mesh(), Solid(length=LENGTH, layers=4)
