@@ -40,7 +40,7 @@ from fretfe.strength.margins import Margin, result_labels, strength_map
 
 SCHEMA = {"name": "fretfe-assessment", "version": 1}
 # Attributes of an edge and of a judgement, which are keys of the file.
-OF_EDGE = ("contact", "edge", "body", "life", "bar")
+OF_EDGE = ("contact", "edge", "body", "life", "bar", "spread")
 OF_JUDGEMENT = ("margin", "low", "high", "place", "reason")
 
 
@@ -94,8 +94,8 @@ class EdgeAssessment:
         judgements: one for each criterion, in the order of `Criterion`.
         arrest: of cracks; None where it is not known.
         life: cycles of a crack between the lengths of the material file; NaN where unknown.
-        bar: relative error of stresses by the bars of K_N, ΔK_T and of the stress beside the
-            tractions; NaN where one of them is unknown.
+        bar: relative error of stresses by the bars of K_N and ΔK_T; NaN where one is unknown.
+        spread: error of the stress beside that of the tractions [stress].
     """
 
     contact: str
@@ -105,6 +105,7 @@ class EdgeAssessment:
     arrest: Arrest | None
     life: float
     bar: float
+    spread: float
 
     @property
     def governing(self) -> Judgement | None:
@@ -214,32 +215,48 @@ def _edge(
     if isinstance(field, str):
         others = [Judgement(each, reason=field) for each in list(Criterion)[1:]]
         return EdgeAssessment(
-            contact.name, station.front, name, (by_tests, *others), None, math.nan, math.nan
+            contact.name, station.front, name, (by_tests, *others), None, *[math.nan] * 3
         )
-    bar = _bar(field, station)
+    bars = _Bars.of(field, station, data)
     body = isotropic(result.case.bodies[name])
     assert body is not None
     arrest, life = _arrest(field, data)
-    judgements = [by_tests, _by_arrest(arrest, bar)]
-    judgements += _by_distances(field, station, data, body, bar)
+    judgements = [by_tests, _by_arrest(arrest, bars)]
+    judgements += _by_distances(field, station, data, body, bars)
     known = None if isinstance(arrest, str) else arrest
-    return EdgeAssessment(contact.name, station.front, name, tuple(judgements), known, life, bar)
+    return EdgeAssessment(
+        contact.name, station.front, name, tuple(judgements), known, life,
+        bars.relative, field.smooth.spread,
+    )  # fmt: skip
 
 
-def _bar(field: EdgeField, station: Station) -> float:
-    """Relative error of the stress: in proportion to ΔK_T and K_N, and what is smooth."""
-    k_n, spread = station.decisive_k_n
-    stress = field.along(0.0, np.array([field.size]))[:, 0, 0]
-    largest = float(np.abs(stress).max()) or math.nan
-    of_range = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
-    return math.hypot(of_range, spread / k_n, field.smooth.spread / largest)
+@dataclass(frozen=True)
+class _Bars:
+    """Errors of all stresses at an edge: in proportion to them, and over the fatigue limit."""
 
+    relative: float
+    absolute: float
 
-def _with_bar(
-    criterion: Criterion, margin: float, bar: float, place: float = math.nan
-) -> Judgement:
-    low, high = margin * max(1 - bar, 0.0), margin * (1 + bar)
-    return Judgement(criterion, margin, low, high, place)
+    @classmethod
+    def of(cls, field: EdgeField, station: Station, data: FatigueData) -> _Bars:
+        """By the bars of ΔK_T and K_N, and by that of the stress beside the tractions."""
+        k_n, spread = station.decisive_k_n
+        of_range = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
+        amplitude = math.nan if data.limit is None else data.limit.stress_range / 2
+        return cls(math.hypot(of_range, spread / k_n), field.smooth.spread / amplitude)
+
+    def around(self, criterion: Criterion, margin: float, place: float = math.nan) -> Judgement:
+        """A margin with its interval: of stresses over what is endured, the margin's inverse."""
+        used = 1 / margin
+        bar = math.hypot(self.relative * used, self.absolute)
+        low, high = used + bar, used - bar
+        return Judgement(
+            criterion,
+            margin,
+            1 / low if low > 0 else math.inf,
+            1 / high if high > 0 else math.inf,
+            place,
+        )
 
 
 def _by_tests(margin: Margin | None, *, given: bool) -> Judgement:
@@ -274,14 +291,14 @@ def _life(drive: CrackDrive, arrest: Arrest, data: FatigueData) -> float:
     return growth_life(drive.lengths[known], ranges[known], data.growth, *data.lengths)
 
 
-def _by_arrest(arrest: Arrest | str, bar: float) -> Judgement:
+def _by_arrest(arrest: Arrest | str, bars: _Bars) -> Judgement:
     if isinstance(arrest, str):
         return Judgement(Criterion.ARREST, reason=arrest)
-    return _with_bar(Criterion.ARREST, arrest.margin, bar)
+    return bars.around(Criterion.ARREST, arrest.margin)
 
 
 def _by_distances(
-    field: EdgeField, station: Station, data: FatigueData, body: Body, bar: float
+    field: EdgeField, station: Station, data: FatigueData, body: Body, bars: _Bars
 ) -> Iterator[Judgement]:
     length = _length(data)
     reason = ""
@@ -301,8 +318,8 @@ def _by_distances(
         found = find_critical(stress, _strain(stress, body), smith_watson_topper).value
         at = int(np.argmax(found))
         margin = math.sqrt(limit / found[at]) if found[at] > 0 else math.inf
-        yield _with_bar(criterion, margin, bar, float(places[at]))
-    yield from _by_endurance(_mean(field, places, "point", length), places, data, body, bar)
+        yield bars.around(criterion, margin, float(places[at]))
+    yield from _by_endurance(_mean(field, places, "point", length), places, data, body, bars)
 
 
 def _places(field: EdgeField, station: Station, length: float) -> Array:
@@ -331,7 +348,7 @@ def _strain(stress: Array, body: Body) -> Array:
 
 
 def _by_endurance(
-    stress: Array, places: Array, data: FatigueData, body: Body, bar: float
+    stress: Array, places: Array, data: FatigueData, body: Body, bars: _Bars
 ) -> Iterator[Judgement]:
     """By the criteria that need limits of reversed tension and of reversed torsion."""
     criteria = Criterion.CROSSLAND, Criterion.DANG_VAN, Criterion.FINDLEY
@@ -351,7 +368,7 @@ def _by_endurance(
     for criterion, found in zip(criteria, values, strict=True):
         at = int(np.argmax(found))
         margin = 1 / float(found[at]) if found[at] > 0 else math.inf
-        yield _with_bar(criterion, margin, bar, float(places[at]))
+        yield bars.around(criterion, margin, float(places[at]))
 
 
 def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:
