@@ -15,10 +15,8 @@ import numpy as np
 
 from fretfe._typing import Array
 
-# Depths at which the memory is followed, over the largest one; and the part of it within which the
-# edge turns round at one place.
+# Depths at which the memory is followed, over the largest one.
 LEVELS = 800
-SAME_PLACE = 1e-9
 # Part of the way of an edge that draws back by which K_T there is not known.
 SLACK = 0.02
 
@@ -36,7 +34,7 @@ def depths(k_t: Array, retreat: Array) -> Array:
     moves = np.diff(retreat)
     turns = retreat[1:-1][(moves[:-1] > 0) & (moves[1:] <= 0)]
     places = np.sort(np.append(np.linspace(0.0, largest, LEVELS + 1), 2 * turns))
-    return places[np.diff(places, prepend=-1.0) > SAME_PLACE * largest]
+    return places[np.diff(places, prepend=-1.0) > 1e-9 * largest]
 
 
 def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False) -> Iterator[Array]:
