@@ -153,9 +153,9 @@ def _exact(one: IrregularDraw, times: Array, loads: Array, ends: Array) -> float
         way = 1 if missing > 0 else -1
         # From the edge inward all of f, as far as it takes.
         gain = np.cumsum(np.where(pressed, f * way - share, 0.0)[::-1])[::-1] * d_level
-        slipping = (
-            pressed & (np.abs(gain) < (1 - 1e-6) * abs(missing)) & (abs(missing) > 1e-7 * f * p)
-        )
+        # What a level that P passes leaves open is no slip.
+        least = 1e-7 * f * p + (1.01 * f * d_level if step[0] else 0.0)
+        slipping = pressed & (np.abs(gain) < (1 - 1e-6) * abs(missing)) & (abs(missing) > least)
         if slipping.any():
             border = int(np.flatnonzero(slipping)[0])
             share[slipping] = f * way
