@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from fretfe._typing import Array
@@ -89,9 +89,10 @@ class Checked:
         stations = round(fronts * (1 if plane else along))
         states = _field_states(self.case, steps, len(self.history.times) - 1)
         size = self.definition.components
-        return estimate_cost(
+        found = estimate_cost(
             self.mesh, self.case.model.degree, nodes, steps, stations, states, size
         )
+        return replace(found, added=steps - (len(self.history.times) - 1))
 
 
 def _field_states(case: Case, steps: int, written: int) -> int:

@@ -112,6 +112,8 @@ class Cost:
         seconds: with one thread, pictures and report included.
         behind: those of them behind the last step.
         dimension: 2 of a plane case, 3 of a solid one.
+        stations: of all fronts, with edge factors and slip zones.
+        added: steps that are in cycles which are likely to be added.
     """
 
     unknowns: int
@@ -123,6 +125,8 @@ class Cost:
     seconds: float
     behind: float
     dimension: int
+    stations: int = 0
+    added: int = 0
 
     @property
     def text(self) -> str:
@@ -130,9 +134,12 @@ class Cost:
         disk = " (factors on disk)" if self.on_disk else ""
         if self.dense > MOST * self.memory:
             disk += f", {_rounded(self.dense / 2**30)} GB of them for the contact tractions,"
+        added = f" ({self.added} of them in cycles likely to be added)" if self.added else ""
+        edges = f", {self.stations} {'edges' if self.dimension == 2 else 'stations'}"
         return (
-            f"{self.unknowns} unknowns, {self.tractions} contact tractions, {self.steps} steps: "
-            f"about {_rounded(self.memory / 2**30)} GB{disk} and {_duration(self.seconds)}, "
+            f"{self.unknowns} unknowns, {self.tractions} contact tractions, {self.steps} steps"
+            f"{added}{edges if self.stations else ''}: about {_rounded(self.memory / 2**30)} "
+            f"GB{disk} and {_duration(self.seconds)}, "
             f"{_duration(self.behind)} of them for edge factors, fields and pictures"
         )
 
@@ -177,7 +184,9 @@ def estimate_cost(
     behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
     behind += STATION[dimension] * stations + DRAWING[dimension] + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + march + behind
-    return Cost(unknowns, tractions, steps, memory, dense, on_disk, seconds, behind, dimension)
+    return Cost(
+        unknowns, tractions, steps, memory, dense, on_disk, seconds, behind, dimension, stations
+    )
 
 
 def finer_model(mesh: Mesh, cost: Cost, surfaces: Iterable[str], sizes: tuple[float, float]) -> str:
