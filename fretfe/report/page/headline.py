@@ -100,7 +100,7 @@ def _nothing(run: Result) -> str:
 
 
 def _without_fronts(run: Result, contact: Contact) -> str:
-    """Why a contact between solids has no fronts, and what is known of it all the same."""
+    """The reason for which a contact between solids has no fronts, and what else is known of it."""
     first, last = run.loads.evaluated
     state = first + int(np.argmax(contact.normal_force[first : last + 1]))
     if not contact.normal_force[state] > 0:
