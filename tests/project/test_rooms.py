@@ -25,7 +25,7 @@ ROOM_LINES = {
     "analytic": 1200,
     "backends": 482,
     "bodies": 2417,
-    "case": 2691,
+    "case": 2770,
     "cli": 1530,
     "contact": 2150,
     "decision": 720,
