@@ -192,10 +192,21 @@ def between_surfaces(case: Case, pair: Pair) -> Iterator[str]:
         yield f"gap with that of {contact.gap}: {low} to {high} {units.length}"
     if pair.layer.any():
         stiffest = 1 / pair.layer.min(axis=0)
-        softest, unit = 1 / pair.layer.max(axis=0), f"{units.stress}/{units.length}"
+        softest, unit = 1 / softest_layer(case, pair), f"{units.stress}/{units.length}"
         for number, way in enumerate(("across", "along")):
             ends = dict.fromkeys(rounded(float(each[number])) for each in (softest, stiffest))
             yield f"layer: {' to '.join(ends)} {unit} {way} the surface"
+
+
+def softest_layer(case: Case, pair: Pair) -> Array:
+    """(2,) largest compliances of the layer of a contact to pressure and to shear.
+
+    Of a curve that at small pressures, as next to edges.
+    """
+    found, layer = pair.layer.max(axis=0), case.contacts[pair.name].layer
+    if layer is not None and layer.curve is not None:
+        found[0] = max(layer.slopes)
+    return np.asarray(found)
 
 
 def missed_gaps(case: Case, pairs: Sequence[Pair]) -> Iterator[str]:

@@ -206,7 +206,8 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
 class Pair:
     """One contact: its name, its bodies, its coupling and the compliances (N, 2) of its layer.
 
-    Those are the approach per pressure, and the displacement along the surface per shear.
+    Those are the approach per pressure, and the displacement along the surface per shear. `law` is
+    that of `Interface.laws`.
     """
 
     name: str
@@ -214,6 +215,7 @@ class Pair:
     body2: str
     coupling: Coupling
     layer: Array
+    law: Array | None = None
 
 
 def contact_surfaces(definition: ModelDefinition, mesh: Mesh) -> dict[str, Surface]:
@@ -235,5 +237,7 @@ def couple_contacts(
         coupling = couple(name, first, second, contact.multipliers, case.model.degree, components)
         even = (0.0, 0.0) if contact.layer is None else contact.layer.compliances
         layer = np.broadcast_to(even, (len(coupling.surface.weights), 2))
-        pairs.append(Pair(name, first.body, second.body, coupling, layer))
+        curve = None if contact.layer is None else contact.layer.curve
+        law = None if curve is None else np.array(curve)
+        pairs.append(Pair(name, first.body, second.body, coupling, layer, law))
     return tuple(pairs)

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import hashlib
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, Literal, NamedTuple, Protocol
 
@@ -195,6 +195,8 @@ class Interface:
         roots: (N,) √W.
         coordinates: the m coordinates.
         contacts: node range of each contact, by name, in the order of the case.
+        laws: (2, n) pressures, and approach of the surfaces at these beyond that of the compliance,
+            of contacts whose layer does not give linearly.
     """
 
     components: int
@@ -207,6 +209,17 @@ class Interface:
     roots: Array
     coordinates: tuple[Coordinate, ...]
     contacts: dict[str, slice]
+    laws: Mapping[str, Array] = field(default_factory=dict)
+
+    def approach(self, traction: Array) -> Array:
+        """(N,) weighted approach of the surfaces under tractions (N, d) by the laws."""
+        found = np.zeros(self.size)
+        for name, law in self.laws.items():
+            nodes = self.contacts[name]
+            roots = self.roots[nodes]
+            pressure = np.maximum(traction[nodes, 0] / roots, 0.0)
+            found[nodes] = roots * np.interp(pressure, *law)
+        return found
 
     @property
     def size(self) -> int:

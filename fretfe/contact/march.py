@@ -10,7 +10,7 @@ step, or loads turn, and friction acts, loads in between are solved too.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -83,6 +83,36 @@ def not_converged(number: int, count: int, failure: NotConverged) -> Convergence
     )
 
 
+# What layers give has settled when it changes by less than this part of it, in so many rounds.
+SETTLED = 1e-10
+MOST_ROUNDS = 200
+# Rounds that are combined: fewer take more rounds, many are no longer independent.
+REMEMBERED = 12
+
+
+class Mixing:
+    """Anderson's acceleration of an iteration x -> g(x), J. ACM 12 (1965) 547.
+
+    The next x combines the last ones so that their changes g - x would cancel if g were linear.
+    """
+
+    def __init__(self) -> None:
+        self._values: list[Array] = []
+        self._changes: list[Array] = []
+        self.rounds = 0
+
+    def next(self, value: Array, found: Array) -> Array:
+        """The next x, after g(value) = found."""
+        self.rounds += 1
+        self._values = [*self._values[-REMEMBERED:], found]
+        self._changes = [*self._changes[-REMEMBERED:], found - value]
+        if len(self._values) == 1:
+            return value + 0.5 * (found - value)
+        changes, values = (np.diff(each, axis=0) for each in (self._changes, self._values))
+        shares = np.linalg.lstsq(changes.T, self._changes[-1], rcond=1e-12)[0]
+        return np.asarray(found - shares @ values)
+
+
 class March:
     """Advances a contact from one state to the next; a step counts once it is accepted.
 
@@ -147,8 +177,12 @@ class March:
     ) -> StepResult:
         reference = state.relative[:, 1:]
         fallbacks = spent = 0
+        if self.interface.laws:
+            loads = replace(loads, approach=self.interface.approach(state.traction))
         try:
-            solved, iterations = self._newton_from(guess, state, loads)
+            solved, iterations, loads = self._settled(
+                lambda loads, guess: self._newton_from(guess, state, loads), guess, loads
+            )
         except NotConverged as failure:
             if not slow:
                 raise
@@ -156,7 +190,15 @@ class March:
             status, direction = status_by_fixed_point(
                 self.operator, loads, reference, state.traction
             )
-            solved, iterations = self._newton.solve(loads, reference, status, direction)
+            slipped = replace(state, status=status, direction=direction)
+
+            def from_there(
+                loads: StepLoads, guess: ContactState | None
+            ) -> tuple[ContactState, int]:
+                start = guess or slipped
+                return self._newton.solve(loads, reference, start.status, start.direction)
+
+            solved, iterations, loads = self._settled(from_there, None, loads)
         return StepResult(
             state=solved,
             dissipation=friction_work(
@@ -172,6 +214,38 @@ class March:
             certificate=certify(self.interface, loads, solved, reference),
             friction=loads.friction,
         )
+
+    def _settled(
+        self,
+        solve: Callable[[StepLoads, ContactState | None], tuple[ContactState, int]],
+        guess: ContactState | None,
+        loads: StepLoads,
+    ) -> tuple[ContactState, int, StepLoads]:
+        """Solve a step, again with what layers give under its pressures until that stays.
+
+        Args:
+            solve: from a guess, under loads with what layers give.
+            guess: to start from.
+            loads: with what layers give in the state before.
+
+        Returns:
+            The state, the iterations of all rounds, and the loads with what layers give.
+        """
+        spent, mixing = 0, Mixing()
+        while True:
+            solved, iterations = solve(loads, guess)
+            spent += iterations
+            if loads.approach is None:
+                return solved, spent, loads
+            given = self.interface.approach(solved.traction)
+            missed, size = (float(np.abs(x).max()) for x in (given - loads.approach, given))
+            # Closed surfaces are so far apart at most; lengths of round-off do not fall further.
+            if missed <= SETTLED * max(size, float(np.abs(loads.approach).max())):
+                return solved, spent, loads
+            if mixing.rounds == MOST_ROUNDS:
+                raise NotConverged("what a layer gives does not settle", spent)
+            loads = replace(loads, approach=mixing.next(loads.approach, given))
+            guess = solved
 
     def _newton_from(
         self, guess: ContactState | None, state: ContactState, loads: StepLoads

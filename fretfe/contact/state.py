@@ -43,16 +43,22 @@ class StepLoads:
         amplitudes: (l,) load amplitudes.
         values: (m,) amplitude of each prescribed coordinate, force on each of the others.
         friction: (N,) coefficient at each node.
+        approach: (N,) what layers give beyond the compliance, as of `Interface.approach`; None
+            without such layers, and where it is not known yet.
     """
 
     amplitudes: Array
     values: Array
     friction: Array
+    approach: Array | None = None
 
     def without_traction(self, interface: Interface) -> Array:
         """(N, d) gap and tangential displacement w0 + L a without tractions and coordinates."""
         free = interface.gap + interface.loads @ self.amplitudes
-        return free.reshape(interface.size, interface.components)
+        free = free.reshape(interface.size, interface.components)
+        if self.approach is not None:
+            free[:, 0] += self.approach
+        return free
 
     def between(self, later: StepLoads, fraction: float) -> StepLoads:
         """Loads at a fraction of the way to a later step, with the later step's friction."""
@@ -360,6 +366,9 @@ def certify(
     gap = relative[:, 0]
     motion = (interface.motion * state.coordinates).reshape(*relative.shape, -1) / roots[..., None]
     by_loads = (interface.loads @ loads.amplitudes).reshape(relative.shape) / roots
+    missed = np.zeros(len(state.status))
+    if loads.approach is not None:
+        missed = (interface.approach(state.traction) - loads.approach) / interface.roots
     opened, stuck, slipping = (state.status == s for s in (OPEN, STICK, SLIP))
     along = np.einsum("ij,ij->i", increment, state.direction)
     directed = np.any(state.direction != 0, axis=1)  # without friction there is no direction
@@ -369,7 +378,7 @@ def certify(
         penetration=_largest(-gap),
         adhesion=_largest(-pressure),
         open_traction=_largest(np.abs(traction[opened]).ravel()),
-        closed_gap=_largest(np.abs(gap[~opened])),
+        closed_gap=_largest(np.abs(gap + missed)[~opened]),
         cone=_largest(shear - loads.friction * np.maximum(pressure, 0.0)),
         stuck_drift=_largest(np.abs(increment[stuck]).ravel()),
         slip_with_traction=_largest(astray[slipping]),

@@ -107,7 +107,8 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
     """Loops of all boundaries whose force varies in the evaluated cycle.
 
     Raises:
-        OutputError: there is no evaluated cycle, no such boundary, or states were not kept.
+        OutputError: there is no evaluated cycle, no such boundary, states were not kept, or a layer
+            is not linear.
     """
     solution, thickness = result.solution, result.case.model.thickness
     if solution.cycle is None:
@@ -118,6 +119,12 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
             "expected the states of the whole evaluated cycle, found those of a few: run the case "
             'with [output] tractions = "all"'
         )
+    for name, contact in result.case.contacts.items():
+        if contact.layer is not None and contact.layer.curve is not None:
+            raise OutputError(
+                f"contacts.{name}.layer: expected a linear layer, found a curve of pressures, by "
+                "which bodies that are stuck together have no one stiffness"
+            )
     places = {name: number for number, name in enumerate(solution.coordinates)}
     forces = thickness * solution.driver_values[states]
     largest = np.abs(forces).max(initial=0.0)

@@ -132,6 +132,7 @@ def build_interface(
         coordinates=tuple(everything),
         contacts=nodes,
         compliance=DenseCompliance(system.pop("compliance")),
+        laws={pair.name: pair.law for pair in pairs if pair.law is not None},
         **system,
     )
     return interface, reduced

@@ -15,6 +15,7 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.beginning import read_beginning
+from fretfe.bodies.continued import softest_layer
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
 from fretfe.bodies.expected import require_pressed
 from fretfe.bodies.loads.files import checked_history
@@ -515,7 +516,9 @@ def _place(prepared: Prepared, pair: Pair) -> Place:
         coupling.surface,
         dundurs=coupled_beta(model.case, *names),
         growth=_growth(prepared.mesh, pair),
-        layer=pair.layer.max(axis=0) * _modulus(model.case, pair) if pair.layer.any() else None,
+        layer=softest_layer(model.case, pair) * _modulus(model.case, pair)
+        if pair.layer.any()
+        else None,
     )
     return Place(*names, surface, coupling.averaging)
 

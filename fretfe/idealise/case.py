@@ -100,6 +100,8 @@ def _surface_obstacles(case: Case) -> Iterator[str]:
     for name, contact in case.contacts.items():
         if contact.gap is not None:
             yield f"contacts.{name}.gap: expected the gap of the template alone"
+        if contact.layer is not None and contact.layer.curve is not None:
+            yield f"contacts.{name}.layer: expected a stiffness, not a curve of pressures"
         if contact.layer is not None and contact.layer.csv is not None:
             yield f"contacts.{name}.layer: expected the same layer all over the surface"
         if not read_coefficients(case, name).even:

@@ -99,7 +99,7 @@ def _values() -> Iterator[Fault]:
         fault = _with_value("coated", COATED, path, name, CHECK)
         yield replace(fault, prepare=beside("gap.csv", fault.prepare))
     for kind, tables in RUBBED.items():
-        own = [path for path in leaves(tables) if "friction" in path or "start" in path]
+        own = [path for path in leaves(tables) if {"friction", "start", "layer"} & {*path}]
         for path, name in product(own, VALUES):
             yield _with_value(kind, tables, path, name, CHECK)
 

@@ -54,13 +54,31 @@ COATED: dict[str, Any] = {
     "contacts": {"main": {**PAD["contacts"]["main"], **BETWEEN}},
 }
 # With friction that follows what happens, and a case that goes on from a run that is not there.
-RUBBED: dict[str, dict[str, Any]] = {
-    over: {**PAD, "contacts": {"main": {**PAD["contacts"]["main"], "friction": table}}}
-    for over, table in {
-        "pressed": {"pressure": [0.0, 900.0], "values": [0.4, 0.2]},
-        "heated": {"temperature": [20.0, 600.0], "values": [0.4, 0.2]},
-    }.items()
-} | {"branch": {**PAD, "start": {"from": "preload", "time": 1.0}}}
+RUBBED: dict[str, dict[str, Any]] = (
+    {
+        over: {**PAD, "contacts": {"main": {**PAD["contacts"]["main"], "friction": table}}}
+        for over, table in {
+            "pressed": {"pressure": [0.0, 900.0], "values": [0.4, 0.2]},
+            "heated": {"temperature": [20.0, 600.0], "values": [0.4, 0.2]},
+        }.items()
+    }
+    | {
+        "rough": {
+            **PAD,
+            "contacts": {
+                "main": {
+                    **PAD["contacts"]["main"],
+                    "layer": {
+                        "pressure": [0.0, 60.0, 600.0],
+                        "approach": [0.0, 6e-4, 2e-3],
+                        "tangential": 3e5,
+                    },
+                }
+            },
+        },
+    }
+    | {"branch": {**PAD, "start": {"from": "preload", "time": 1.0}}}
+)
 MESHES = ("pad.msh", "pad22.msh", "binary.msh", "binary22.msh", "solid.msh", "pad.inp")
 GRIDS = ("pad.xdmf", "text.xdmf")
 DRAWINGS = ("pad.step", "pad.brep", "cubes.step", "cubes.brep")

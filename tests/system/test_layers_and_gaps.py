@@ -143,3 +143,42 @@ def test_a_gap_that_lets_surfaces_overlap_is_refused(tmp_path: Path) -> None:
     text = str(error.value)
     assert "contacts.main.gap: expected a gap that leaves the surfaces apart or touching" in text
     assert "found an overlap of 0.009999 mm at (0, 0): add that" in text
+
+
+# Of rough surfaces: p grows as the square of the approach.
+PRESSURES = np.array([0.0, 5.0, 20.0, 60.0, 150.0, 300.0, 600.0])
+ROUGH = {
+    "pressure": PRESSURES.tolist(),
+    "approach": (0.002 * np.sqrt(PRESSURES / 600)).tolist(),
+    "tangential": 3e5,
+}
+
+
+def test_pressure_on_rough_surfaces_is_that_of_collocation() -> None:
+    history = solved({"layer": ROUGH}).contact_history("main")
+    x = np.linspace(-1, 1, 801) * 1.5 * HALF_WIDTH
+    slopes = np.diff(ROUGH["approach"]) / np.diff(PRESSURES)
+    pressure = np.full_like(x, 100.0)
+    for _ in range(40):  # Newton's method: a linear layer at each place
+        part = np.clip(np.searchsorted(PRESSURES, pressure, "right") - 1, 0, len(slopes) - 1)
+        given = np.array(ROUGH["approach"])[part] - slopes[part] * PRESSURES[part]
+        before = pressure
+        matrix = compliance(x, MODULUS, slopes[part])
+        pressure = pressed(x, x**2 / 100 + given, matrix, 600.0)
+        if np.abs(pressure - before).max() < 1e-6:
+            break
+    else:
+        raise AssertionError("collocation did not settle")
+    found = history.traction[-1][:, 0]
+    assert np.abs(found - np.interp(history.surface.arc, x, pressure)).max() < 0.01 * found.max()
+    smooth = solved({}).contact_history("main").traction[-1][:, 0]
+    assert found.max() < 0.97 * smooth.max()
+
+
+def test_a_straight_curve_is_a_linear_layer(layered: Result) -> None:
+    normal = MODULUS / (0.3 * HALF_WIDTH)
+    pressures = [0.0, 10.0, 100.0, 2000.0]
+    curve = {"pressure": pressures, "approach": [p / normal for p in pressures]}
+    other = solved({"layer": {**curve, "tangential": 2 * normal}})
+    mine, theirs = (each.contact_history("main").traction[:] for each in (layered, other))
+    assert np.abs(mine - theirs).max() < 1e-8 * np.abs(mine).max()
