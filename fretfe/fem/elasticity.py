@@ -39,7 +39,7 @@ from fretfe.fem._compat import (
 from fretfe.files import open_own, require_writable
 from fretfe.materials.crystals import PAIRS, VOIGT
 from fretfe.materials.material import Material
-from fretfe.mesh.elements import facet_node_count
+from fretfe.mesh.elements import CORNERS, facet_node_count
 from fretfe.mesh.mesh import BodyMesh
 
 T = TypeVar("T")
@@ -213,7 +213,7 @@ class ElasticBody:
         comm: communicator.
         mesh: the body's mesh on rank 0, None elsewhere.
         material: elastic constants.
-        degree: polynomial degree of the displacement, 1 or 2.
+        degree: polynomial degree of the displacement, 1 or 2. Of degree 1 elements are straight.
         components: of the displacement; without it as many as the mesh has coordinates. Plane
             bodies may have a third one, u_z(x, y).
 
@@ -232,6 +232,8 @@ class ElasticBody:
     ) -> None:
         self.comm = comm
         self.material = material
+        if mesh and degree < mesh.order:
+            mesh = _straightened(mesh)
         name, cell, order, width, gdim = comm.bcast(_mesh_type(mesh) if mesh else None)
         cells = mesh.cells if mesh else np.empty((0, width), np.int64)
         points = mesh.points if mesh else np.empty((0, gdim))
@@ -595,6 +597,22 @@ def squared(slopes: Any) -> Any:
 def in_space_of(tensor: Any, size: int) -> Any:
     """Components (size, size) of a tensor (3, 3) in UFL."""
     return ufl.as_matrix([[tensor[i, j] for j in range(size)] for i in range(size)])
+
+
+def _straightened(mesh: BodyMesh) -> BodyMesh:
+    """A mesh of order 1 with the same corners.
+
+    Linear displacements of curved elements contain no rotation and no even strain: turning such a
+    body would take a moment, and moments on it would not balance.
+    """
+    corners, ends = CORNERS[mesh.cell], facet_node_count(mesh.cell, 1)
+    kept, cells = np.unique(mesh.cells[:, :corners], return_inverse=True)
+    boundaries = {
+        name: np.searchsorted(kept, facets[:, :ends]) for name, facets in mesh.boundaries.items()
+    }
+    return BodyMesh(
+        mesh.name, mesh.points[kept], cells.reshape(-1, corners), mesh.cell, 1, boundaries
+    )
 
 
 def _mesh_type(mesh: BodyMesh) -> tuple[str, str, int, int, int]:
