@@ -13,7 +13,34 @@ TYPE_CHECKING = False  # that of typing takes a while
 if TYPE_CHECKING:
     from typing import Any
 
-API = (
+    from fretfe.api import (
+        Comparison,
+        Observer,
+        Result,
+        assess,
+        check,
+        compare,
+        compare_tests,
+        export,
+        load_case,
+        load_result,
+        load_rig,
+        make_mesh,
+        match_test,
+        plot_comparison,
+        plot_factors,
+        plot_loads,
+        plot_strength,
+        plot_tractions,
+        run,
+        strength_map,
+        sweep,
+        validate,
+        verify,
+        write_submodel,
+    )
+
+__all__ = (
     "Comparison",
     "Observer",
     "Result",
@@ -46,10 +73,10 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version
 
         return version("fretfe")
-    if name not in API:
+    if name not in __all__:
         raise AttributeError(f"module 'fretfe' has no attribute {name!r}")
     return getattr(importlib.import_module("fretfe.api"), name)
 
 
 def __dir__() -> list[str]:
-    return sorted([*globals(), *API, "__version__"])
+    return sorted([*__all__, "__version__"])

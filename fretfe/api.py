@@ -12,6 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from fretfe._typing import Array
 from fretfe.backends import Observer
 from fretfe.backends.protocol import SILENT
 from fretfe.case import Case, load_case
@@ -109,7 +110,7 @@ def run(
 
 def sweep(
     case: Case,
-    vary: Mapping[str, Sequence[Any]],
+    vary: Mapping[str, Sequence[Any] | Array],
     backend: str = "fem",
     output: Path | str | None = None,
     observer: Observer = SILENT,

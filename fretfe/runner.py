@@ -17,6 +17,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
+from fretfe._typing import Array
 from fretfe.backends import Backend, Observer, Processes, RunOptions, find_backend
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.case import Case
@@ -205,7 +206,7 @@ class Runner:
     def sweep(
         self,
         case: Case,
-        vary: Mapping[str, Sequence[Any]],
+        vary: Mapping[str, Sequence[Any] | Array],
         output: Path | None = None,
         observer: Observer = SILENT,
         *,

@@ -7,6 +7,7 @@ import csv
 import importlib.metadata
 import json
 import sys
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +43,7 @@ def solved(pad: Path) -> Result:
 
 LIGHT = """
 import sys
+import tomllib
 import fretfe
 heavy = {"numpy", "matplotlib", "pydantic", "typer", "dolfinx", "fretfe.api"}
 print(sorted(heavy & set(sys.modules)), "run" in dir(fretfe), callable(fretfe.run))
@@ -62,6 +64,7 @@ def test_the_package_alone_is_light() -> None:
 
 WITHOUT_DOLFINX = """
 import sys
+import tomllib
 class Block:
     def find_spec(self, name, path=None, target=None):
         if name.split(".")[0] in {"dolfinx", "dolfinx_solver", "mpi4py", "petsc4py", "gmsh"}:
@@ -233,6 +236,19 @@ def test_validation_and_its_files(pad: Path, tmp_path: Path) -> None:
     assert {path.name for path in tmp_path.iterdir()} == {
         "run.json", "case.toml", "results.json", "results.h5", "stations.csv", "validation.json",
     }  # fmt: skip
+
+
+def test_a_session_shows_the_interface_and_short_results(solved: Result) -> None:
+    assert set(dir(fretfe)) == {*fretfe.__all__, "__version__"}
+    shown = repr(solved)
+    assert len(shown.splitlines()) == 3 and len(shown) < 400
+
+
+def test_tables_are_a_case(pad: Path) -> None:
+    tables = tomllib.loads(pad.read_text())
+    case = fretfe.load_case(tables, {FRICTION: 0.3})
+    assert case.contacts["main"].friction == 0.3
+    assert case.as_tables() == fretfe.load_case(pad, {FRICTION: 0.3}).as_tables()
 
 
 def test_sweep(pad: Path, tmp_path: Path) -> None:

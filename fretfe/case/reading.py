@@ -24,7 +24,7 @@ from fretfe.terminal import one_line
 
 
 def load_case(
-    path: Path | str,
+    path: Path | str | Mapping[str, Any],
     overrides: Mapping[str, Any] | None = None,
     *,
     trust_geo: bool = False,
@@ -32,7 +32,8 @@ def load_case(
     """Read and validate a case file.
 
     Args:
-        path: the TOML file.
+        path: the TOML file, or its tables as a mapping; files that these name are relative to the
+            working folder.
         overrides: values in place of those of the file, by paths like ``contacts.main.friction``.
         trust_geo: whether a .geo file that the case names may run. Such a script can do whatever
             the user can.
@@ -41,6 +42,10 @@ def load_case(
         CaseError: the file cannot be read, is not TOML, or is not a valid case. The message has one
             line per problem: file, key, what was expected and what was found.
     """
+    if isinstance(path, Mapping):
+        source = Path("case.toml")
+        tables = with_overrides({**path}, overrides or {}, source)
+        return parse_case(tables, source, trust_geo=trust_geo)
     source = Path(path)
     for kind in FILE_KINDS:
         if source.suffix.lower() in kind.suffixes:

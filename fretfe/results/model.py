@@ -310,6 +310,19 @@ class Result:
         """
         return make_dataset(self.loads, self.contacts, self.root_solution)
 
+    def __repr__(self) -> str:
+        """Three lines: the case, what was solved, and where it is."""
+        loads, contacts = self.loads, self.contacts
+        fronts = sum(len(each.fronts) for each in contacts)
+        failed = f", not complete: {self.failure}" if self.failure is not None else ""
+        title = self.case.title or self.case.source.name
+        return (
+            f"Result of {title!r} by {self.backend or 'no backend'}\n"
+            f"  {len(loads.times)} states to t = {loads.times[-1]:g} {self.case.units.time}, "
+            f"{len(contacts)} contacts, {fronts} edges or fronts{failed}\n"
+            f"  {self.directory or 'in memory only'}"
+        )
+
     def _repr_html_(self) -> str:
         """The edges, or the contacts of solids, as a table for notebooks."""
         records = self.records()

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.backends import Backend, Observer, RunOptions
 from fretfe.backends.protocol import Session
 from fretfe.bodies.input_files import input_digests
@@ -122,7 +123,7 @@ def _spaced(key: str, text: str) -> tuple[Any, ...]:
     return tuple(values)
 
 
-def make_variants(case: Case, ranges: Mapping[str, Sequence[Any]]) -> tuple[Variant, ...]:
+def make_variants(case: Case, ranges: Mapping[str, Sequence[Any] | Array]) -> tuple[Variant, ...]:
     """All combinations, the last key varying fastest.
 
     Args:

@@ -120,6 +120,8 @@ def wrong_imports(module: str, source: str) -> set[str]:
     place = layer(module)
     free = LAYERS[place].endswith(".*")
     own = {name for name in imported(source) if name.split(".")[0] == "fretfe"}
+    if module == "fretfe":  # for those who check types; nothing of it is imported when it runs
+        own -= {"fretfe.api"}
     return {name for name in own if not (-1 < layer(name) < place + free)}
 
 

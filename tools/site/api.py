@@ -46,9 +46,8 @@ PAGES = {
 
 def public_names(module: ModuleType) -> list[str]:
     """Names that a module offers: its list, or all classes and functions that it defines."""
-    for listing in ("API", "__all__"):
-        if hasattr(module, listing):
-            return sorted(getattr(module, listing))
+    if hasattr(module, "__all__"):
+        return sorted(module.__all__)
     return [
         name
         for name, each in vars(module).items()
