@@ -97,6 +97,8 @@ def loading_obstacles(case: Case) -> Iterator[str]:
 
 
 def _surface_obstacles(case: Case) -> Iterator[str]:
+    if case.start is not None:
+        yield "start: expected a case that begins unloaded: states of other runs are of meshes"
     for name, contact in case.contacts.items():
         if contact.gap is not None:
             yield f"contacts.{name}.gap: expected the gap of the template alone"

@@ -40,8 +40,8 @@ UNITS = frozenset(
 )
 # A name with a unit behind it.
 BRACKETED = re.compile(r"(.*\S)\s*\[(.*)\]")
-# A name that has brackets at its end.
-ENDING = re.compile(r".*\S\s*[\[(]([^\[\]()]*)[\])]")
+# A name that has brackets at its end, or ends as in "Q / kN" (ISO 80000-1) and "Q in kN".
+ENDING = re.compile(r".*\S\s*(?:[\[(]([^\[\]()]*)[\])]|\s(?:/|in)\s+(\S+))")
 # Numbers nearer to zero have lost digits: they are remains of something else.
 SMALLEST_CELL = 1e-300
 
@@ -191,8 +191,10 @@ def _without_units(
         found = BRACKETED.fullmatch(cell)
         if found and cell not in names and found[1] in names:
             units[found[1]] = found[2]
-        elif cell in names and (own := ENDING.fullmatch(cell)) and _is_named_unit(own[1]):
-            units[cell] = own[1]
+        elif cell in names and (own := ENDING.fullmatch(cell)):
+            unit = own[1] or own[2] or ""
+            if _is_named_unit(unit):
+                units[cell] = unit
         plain.append(found[1] if found and found[1] in units else cell)
     return plain, units
 

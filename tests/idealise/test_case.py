@@ -166,6 +166,25 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
         {"geometry": {"template": "cylinder", "solid": {"length": 5.0, "layers": 2}}},
         "geometry.solid: expected a plane case",
     ),
+    "branch": (
+        {"start": {"from": "preload", "time": 1.0}},
+        "start: expected a case that begins unloaded",
+    ),
+    "rough": (
+        {
+            "contacts": {
+                "main": {
+                    **MAIN,
+                    "layer": {
+                        "pressure": [0.0, 60.0, 600.0],
+                        "approach": [0.0, 6e-4, 2e-3],
+                        "tangential": 3e5,
+                    },
+                }
+            }
+        },
+        "contacts.main.layer: expected a stiffness, not a curve",
+    ),
     "mesh file": ({"geometry": {"file": "mine.msh"}}, "found a mesh file, 'mine.msh'"),
     "surfaces": (
         {"contacts": {"main": {**MAIN, "surface1": "lower_contact", "surface2": "upper_contact"}}},
