@@ -249,8 +249,13 @@ def _sides(
         if body.coordinates[number].control != "fixed" or not normal.any() or held.at:
             continue
         flat = np.abs(np.abs(surface.normals @ normal) - 1) < FLAT
-        others = [each for each in body.constraints if each is not held and not each.at]
-        acting = {each.boundary for each in others}
+        # Other boundaries in the plane may be held across it, too: both cuts of half a ring.
+        across = [
+            coordinate.control == "fixed" and abs(np.dot(each.direction, held.direction)) > 1 - FLAT
+            for each, coordinate in zip(body.constraints, body.coordinates, strict=True)
+        ]
+        others = zip(body.constraints, across, strict=True)
+        acting = {each.boundary for each, same in others if not same and not each.at}
         acting |= {each.traction.boundary for each in model.loads if each.traction is not None}
         acting &= mesh.boundaries.keys()
         alone = not any(_lies_in(mesh, name, surface, normal) for name in acting)

@@ -14,14 +14,14 @@ from fretfe.caution import Caution, Kind, Subject
 from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.loaded import whole_sliding, with_own_cycle
-from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_plane
+from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_endless, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
-from fretfe.evaluate.plane.symmetry import GOES_ON, whole_contact
+from fretfe.evaluate.plane.symmetry import NO_EDGE, whole_contact
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.resultants import plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
-from fretfe.evaluate.withheld import Lack, Withheld, failed
+from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Solution
 
@@ -133,9 +133,12 @@ def _evaluate_contact(
         warnings = solid_warnings(solution, contact, found, changes)
     else:
         whole = whole_contact(contact)
-        found = evaluate_plane(solution, whole.contact, find_units, reference_length)
-        if whole.image is not None:
-            found = _of_half(solution, contact, whole.image, found)
+        if whole.endless:
+            found = evaluate_endless(solution, contact)
+        else:
+            found = evaluate_plane(solution, whole.contact, find_units, reference_length)
+            for image in whole.images:
+                found = _of_half(solution, contact, image, found)
         loaded = with_own_cycle(solution, whole.contact)
         warnings = plane_warnings(loaded, whole.contact, found["fronts"], changes)
     share, reach = whole_sliding(solution, contact)
@@ -156,9 +159,9 @@ def _of_half(
     solution: Solution, contact: ContactHistory, image: PlaneFront, found: dict[str, Any]
 ) -> dict[str, Any]:
     """Results of a whole contact for the half that the model has: without its image."""
-    states, lack = len(solution.times), Withheld(Lack.NO_EDGE, words=GOES_ON)
+    states = len(solution.times)
     fronts = [
-        Front(front.name, (unknown_station(front.name, 0, states, lack),))
+        Front(front.name, (unknown_station(front.name, 0, states, NO_EDGE),))
         if front.name == image.name
         else front
         for front in found["fronts"]

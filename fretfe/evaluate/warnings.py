@@ -71,7 +71,7 @@ def plane_warnings(
         yield from about(name, "", _parted(contact, states))
     for station in stations:
         yield from about(name, station.front, _uncounted(solution, station))
-    yield from _surfaces(contact)
+    yield from _surfaces(contact, fronts)
     yield from about(name, "", _patches(contact))
     if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
@@ -364,13 +364,13 @@ def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
     )
 
 
-def _surfaces(contact: ContactHistory) -> Iterator[Caution]:
-    """Surfaces that never touch, or end where they are in contact."""
+def _surfaces(contact: ContactHistory, fronts: Sequence[Front]) -> Iterator[Caution]:
+    """Surfaces that never touch, or end where they are in contact and have an edge."""
     closed, smallest = _ever_closed(contact)
     if not closed.any():
         yield from about(contact.name, "", [_never_touch(smallest, contact.surface.weights, 2)])
-    for front in PLANE_FRONTS:
-        if not front.from_front(closed)[0]:
+    for front, found in zip(PLANE_FRONTS, fronts, strict=True):
+        if not front.from_front(closed)[0] or found.stations[0].no_edge:
             continue
         reached: Finding = (Kind.SURFACE_END, "the contact reaches the end of its surface")
         if reaches_image(contact, front):

@@ -163,15 +163,16 @@ class _PlaneDraft(_Draft["_Areas"]):
     """A probe for each edge in all chosen states, the difference of the neighbours last."""
 
     def _plan(self, contact: ContactHistory) -> _Areas | None:
-        return _choose_areas(
-            self._common.solution, whole_contact(contact).contact, self._common.moving
-        )
+        whole = whole_contact(contact)
+        if whole.endless:
+            return None
+        return _choose_areas(self._common.solution, whole.contact, self._common.moving)
 
     def _probes(self, contact: ContactHistory, plan: _Areas) -> list[Probe]:
-        image, pair = whole_contact(contact).image, self._common.pairs[contact.pair]
+        images, pair = whole_contact(contact).images, self._common.pairs[contact.pair]
         surface = contact.surface
         return [
-            self._probe(pair, surface, plan, each) for each in PLANE_FRONTS if each is not image
+            self._probe(pair, surface, plan, each) for each in PLANE_FRONTS if each not in images
         ]
 
     def _probe(

@@ -73,7 +73,7 @@ class _Site:
     def edges(self) -> Iterator[tuple[ContactHistory, Station, int]]:
         """Patch, station and number of the body of each edge value."""
         for patch, summary in zip(self.patches, self.summaries, strict=True):
-            for station in summary.stations:
+            for station in summary.edges:
                 for body in (0, 1):
                     yield patch, station, body
 

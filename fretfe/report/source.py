@@ -107,6 +107,7 @@ def shown_stations(contacts: Sequence[Contact]) -> list[tuple[Contact, Station]]
         for contact in contacts
         for front in contact.fronts
         if (station := front.worst if contact.solid else front.stations[0]) is not None
+        if not station.no_edge
     ]
 
 

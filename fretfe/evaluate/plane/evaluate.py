@@ -14,7 +14,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
-from fretfe.evaluate.contacts import Front, Station
+from fretfe.evaluate.contacts import Front, Station, fronts_of, unknown_station
 from fretfe.evaluate.factors import K_T_LENGTH, factors_at, pressed_on
 from fretfe.evaluate.increments import ContactSteps, Cycle, UnitFactors
 from fretfe.evaluate.loaded import evaluated_states, normal_force, with_own_cycle
@@ -28,6 +28,7 @@ from fretfe.evaluate.plane.half_planes import (
 )
 from fretfe.evaluate.plane.lacks import with_lack
 from fretfe.evaluate.plane.section import PLANE_FRONTS
+from fretfe.evaluate.plane.symmetry import NO_EDGE
 from fretfe.evaluate.resultants import plane_resultants
 from fretfe.evaluate.slip import cycle_states, slip_in_steps
 from fretfe.history.solution import OPEN, ContactHistory, Factor, Solution
@@ -69,6 +70,21 @@ def evaluate_plane(
         **_by_half_planes(contact, edges, stations),
         "dissipation": work,
         "dissipation_spread": math.inf if unseen else spread,
+    }
+
+
+def evaluate_endless(solution: Solution, contact: ContactHistory) -> dict[str, Any]:
+    """Resultants and friction work of a plane contact without edges, by the names of `Contact`."""
+    lost = np.full(len(contact.traction), np.nan)
+    stations = [unknown_station(each.name, 0, len(lost), NO_EDGE) for each in PLANE_FRONTS]
+    return {
+        **plane_resultants(contact, lost),
+        "fronts": fronts_of(stations),
+        "half_width": lost,
+        "effective_tension": lost,
+        "shear_mismatch": np.nan,
+        "dissipation": float(_friction_work(solution, contact).sum()),
+        "dissipation_spread": float(_work_spread(solution, contact).sum()),
     }
 
 

@@ -14,10 +14,14 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
+from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import StateArray, blocks
 
-GOES_ON = "both bodies go on behind this end of the surface: there is no edge"
+# Of a station where there is none.
+NO_EDGE = Withheld(
+    Lack.NO_EDGE, words="both bodies go on behind this end of the surface: there is no edge"
+)
 
 
 @dataclass(frozen=True)
@@ -25,26 +29,37 @@ class WholeContact:
     """A contact as it is in the whole bodies.
 
     Attributes:
-        contact: with the image of its nodes beside them; as it was without a plane of symmetry.
-        image: the front that is only an image, or None.
+        contact: with the image of its nodes beside them; as it was without a plane of symmetry, or
+            where it goes on at both ends.
+        images: the fronts at which it goes on. Where both are, as of a ring on a shaft, there are
+            no edges.
     """
 
     contact: ContactHistory
-    image: PlaneFront | None = None
+    images: tuple[PlaneFront, ...] = ()
+
+    @property
+    def endless(self) -> bool:
+        """True if the contact goes on at both ends."""
+        return len(self.images) == len(PLANE_FRONTS)
 
 
 def whole_contact(contact: ContactHistory) -> WholeContact:
     """Mirror a plane contact at the plane of symmetry that it reaches at one of its ends.
 
     Only where it does so in all states in which it carries anything, and at one end alone.
+    Contacts that always reach both ends, of planes of symmetry or of sides of a sector, have
+    no edges.
     """
     if contact.surface.continued is None or contact.node_range is not None:
         return WholeContact(contact)
     ends = [front for front in PLANE_FRONTS if _always_reaches(contact, front)]
     normals = [contact.surface.continued[_end(front)] for front in ends]
-    if len(ends) != 1 or not normals[0].any():
+    if len(ends) == len(PLANE_FRONTS):
+        return WholeContact(contact, PLANE_FRONTS)
+    if not ends or not normals[0].any():
         return WholeContact(contact)
-    return WholeContact(_mirrored(contact, ends[0], normals[0]), ends[0])
+    return WholeContact(_mirrored(contact, ends[0], normals[0]), (ends[0],))
 
 
 def reaches_image(contact: ContactHistory, front: PlaneFront) -> bool:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -113,7 +114,7 @@ def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
     """K_T and K_I of both edges over time."""
 
     def draw(figure: Figure) -> None:
-        sheared = any(np.any(edge.k_s) for edge in contact.stations)
+        sheared = any(np.any(edge.k_s) for edge in contact.edges)
         names = ("k_t", "k_s", "k_i") if sheared else ("k_t", "k_i")
         _draw_factors(figure, run.case, run.loads, (contact,), names)
 
@@ -205,7 +206,7 @@ def _draw_path(figure: Figure, run: Result, contact: Contact, tension: bool) -> 
     normal, shear = contact.normal_force, contact.shear_force
     _trace(panels[0], run, normal, shear)
     largest = max(float(np.max(normal)), 0.0)
-    friction = max((each.friction for each in contact.stations), default=0.0)
+    friction = max((each.friction for each in contact.edges), default=math.nan)
     for sign in (1, -1):
         bound = [0.0, sign * friction * largest]
         panels[0].plot([0.0, largest], bound, color=GREY, lw=0.8, ls=":")

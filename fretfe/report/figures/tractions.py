@@ -61,7 +61,7 @@ INTRO = (
 # Points between a panel and its title for each row of the legend, which stands there.
 TITLE_PAD = 50.0 / 3
 LOCAL_INTRO = (
-    "At both edges, in the evaluated cycle or in the whole history without one. Above: range of "
+    "At the edges, in the evaluated cycle or in the whole history without one. Above: range of "
     "the slip, twice its amplitude. Below: friction work per area; the integral of p over the way "
     "that slips, which times a wear rate is the depth of wear after Archard; and the largest shear "
     "times the range of the slip, the first parameter of Ruiz. Means around each node. They tell "
@@ -104,7 +104,7 @@ NOT_KEPT = "the states are not kept:\n[output] tractions"
 SLIP_INTRO = (
     "Each row is a load step. Body 1 slips over body 2 towards larger x where q > 0, towards "
     "smaller x where q < 0. Lines: the contact edges. Above: the whole contact and history, with "
-    "the evaluated cycle between dashed lines. Below: the two edges in the evaluated cycle, or in "
+    "the evaluated cycle between dashed lines. Below: the edges in the evaluated cycle, or in "
     "the whole history if there is none; circles mark the inner ends of the slip zones found, "
     "crosses those predicted. A row in which the load reverses may show slip beyond the circle; it "
     "is too small to count."
@@ -186,7 +186,7 @@ def local_plot(shown: Shown) -> Plot | None:
     if not shown.run.solution.keeps(*shown.run.loads.evaluated):
         return None
     found = shown.run.local_parameters(shown.tractions.name)
-    if not found.slip_range.any():
+    if not (found.slip_range > shown.run.solution.least_slip.max()).any():
         return None
     units = shown.run.case.units
     most = int(np.argmax(found.work))
@@ -209,8 +209,7 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     units, arc = shown.run.case.units, shown.tractions.surface.arc
     scale, unit = with_prefix(units.length, float(found.slip_range.max()))
     labels = (f"range of slip [{unit}]", f"[{shown.run.unit('density')}]")
-    panels = figure.subplots(2, 2, sharex="col", sharey="row")
-    for (top, bottom), _, (low, high) in _edge_columns(panels, shown, labels):
+    for (top, bottom), _, (low, high) in _edge_columns(figure, shown, labels):
         seen = (arc >= low) & (arc <= high)
         slip = found.slip_range[seen] / scale
         top.plot(arc[seen], slip, ".-", color=BLUE, lw=1.2, ms=4, markevery=SPARSE)
@@ -220,17 +219,24 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
             (found.ruiz, VERMILLION, ":", "q times range"),
         ):
             bottom.plot(arc[seen], values[seen], style, color=colour, lw=1.4, label=label)
-    figure.legend(*panels[1, 0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    figure.legend(*bottom.get_legend_handles_labels(), loc="outside upper center", ncols=3)
 
 
 def _edge_columns(
-    panels: Any, shown: Shown, labels: tuple[str, str]
-) -> Iterator[tuple[Sequence[Axes], Station, tuple[float, float]]]:
-    """Two panels next to each edge, to be drawn into, with the edge and what is seen of x."""
-    for column, edge in zip(panels.T, shown.summary.stations, strict=True):
-        window = edge_window(shown, edge, *shown.run.loads.evaluated)
+    figure: Figure, shown: Shown, labels: tuple[str, str]
+) -> Iterator[tuple[Sequence[Axes], Station | None, tuple[float, float]]]:
+    """Two panels next to each edge, to be drawn into, with the edge and what is seen of x.
+
+    Without edges they are over all of the contact.
+    """
+    edges = shown.summary.edges or (None,)
+    panels = figure.subplots(2, len(edges), sharex="col", sharey="row", squeeze=False)
+    for column, edge in zip(panels.T, edges, strict=True):
+        window, title = _limits(shown, np.empty(0)), "the whole contact"
+        if edge is not None:
+            window, title = edge_window(shown, edge, *shown.run.loads.evaluated), edge_title(edge)
         yield column, edge, window
-        finish_edge_column(column, edge_title(edge), window, shown.run.case.units.length)
+        finish_edge_column(column, title, window, shown.run.case.units.length)
     for panel, label in zip(panels[:, 0], labels, strict=True):
         panel.set_ylabel(label)
 
@@ -268,13 +274,14 @@ def _draw_stress(
 ) -> None:
     units = shown.run.case.units
     labels = (f"σ along the surface [{units.stress}]", f"SWT [{units.stress}]")
-    panels = figure.subplots(2, 2, sharex="col", sharey="row")
-    for column, edge, (low, high) in _edge_columns(panels, shown, labels):
+    for column, edge, (low, high) in _edge_columns(figure, shown, labels):
         seen = history.at(np.flatnonzero((history.arc >= low) & (history.arc <= high)))
         for place, body in enumerate(seen.bodies):
             found = stress_parameters(seen, place, shown.run.case.bodies[body.name])
             _depth_lines(column, seen, (found.largest_tension, found.swt), place, units.length)
-        _edge_values(column[0], edge, [each for each in edges if each.edge == edge.front], history)
+        if edge is not None:
+            own = [each for each in edges if each.edge == edge.front]
+            _edge_values(column[0], edge, own, history)
     _depth_legend(figure)
 
 
@@ -312,8 +319,7 @@ def slip_system_plot(shown: Shown) -> Plot | None:
 
     def draw(figure: Figure) -> None:
         octahedral, cube = (f"{each} [{run.case.units.stress}]" for each in SLIP_SYSTEMS)
-        panels = figure.subplots(2, 2, sharex="col", sharey="row")
-        for column, _, (low, high) in _edge_columns(panels, shown, (octahedral, cube)):
+        for column, _, (low, high) in _edge_columns(figure, shown, (octahedral, cube)):
             nodes = np.flatnonzero((history.arc >= low) & (history.arc <= high))
             for place, parts in found.items():
                 seen = [each[:, nodes] for each in parts]
@@ -409,20 +415,22 @@ def slip_plot(shown: Shown) -> Plot:
 
 
 def _draw_slip(figure: Figure, shown: Shown) -> None:
-    panels = figure.subplot_mosaic([["whole", "whole"], ["left", "right"]])
+    near = [edge.front for edge in shown.summary.edges]
+    rows: list[Any] = [["whole"] * len(near), near] if near else [["whole"]]
+    panels = figure.subplot_mosaic(rows)
     times, units = shown.run.loads.times, shown.run.case.units
     first, last = shown.run.loads.evaluated
-    positions = np.concatenate([edge.position for edge in shown.summary.stations])
+    positions = np.array([edge.position for edge in shown.summary.edges])
     _status_map(panels["whole"], shown, *_limits(shown, positions), (0, len(times) - 1))
     panels["whole"].set_ylim(times[0], times[-1])
     if shown.run.loads.cycle is not None:
         for time in times[[first, last]]:
             panels["whole"].axhline(time, color="black", lw=0.8, ls="--")
-    irregular = any(edge.cycles.irregular for edge in shown.summary.stations)
+    irregular = any(edge.cycles.irregular for edge in shown.summary.edges)
     scale, unit = 1.0, units.length
     if irregular and shown.run.solution.keeps(first, last):
         scale, unit = with_prefix(unit, float(_slip_range(shown, (first, last))[0].max()))
-    for edge in shown.summary.stations:
+    for edge in shown.summary.edges:
         axes = panels[edge.front]
         window = edge_window(shown, edge, first, last)
         if irregular:
@@ -438,8 +446,9 @@ def _draw_slip(figure: Figure, shown: Shown) -> None:
     for axes in panels.values():
         axes.set_xlabel(f"x [{units.length}]")
     panels["whole"].set_ylabel(f"time [{units.time}]")
-    below = f"range of slip [{unit}]" if irregular else f"time [{units.time}]"
-    panels["left"].set_ylabel(below)
+    for front in near[:1]:
+        below = f"range of slip [{unit}]" if irregular else f"time [{units.time}]"
+        panels[front].set_ylabel(below)
     handles = [
         Patch(facecolor=colour, edgecolor="black", lw=0.4, label=name)
         for kind, (name, colour) in KINDS.items()
@@ -471,7 +480,7 @@ def edge_window(shown: Shown, edge: Station, first: int, last: int) -> tuple[flo
     lengths = [length for length in both if length > 0]
     depth = ZONES * max(lengths, default=0.0)
     if not np.isfinite(places).any() or any(zone.gross for zone in zones):
-        return _limits(shown, np.concatenate([each.position for each in shown.summary.stations]))
+        return _limits(shown, np.array([each.position for each in shown.summary.edges]))
     low, high = np.nanmin(places), np.nanmax(places)
     depth = min(max(depth, high - low, NARROWEST * half_width), 2 * half_width)
     if depth == 0:  # no half-width is known
@@ -512,7 +521,7 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
         norm=BoundaryNorm(np.arange(len(KINDS) + 1) - 0.5, len(KINDS)),
         rasterized=True,
     )
-    for edge in shown.summary.stations:
+    for edge in shown.summary.edges:
         seen = envelope(edge.position)
         axes.plot(edge.position[seen], times[seen], color="black", lw=0.7)
 

@@ -91,16 +91,16 @@ def _nothing(run: Result) -> str:
     reasons = [
         f"{contact.name_of(station)}: {why}"
         for contact in run.contacts
-        for station in contact.stations
+        for station in contact.edges
         if (why := withheld(station))
     ]
     if reasons:
         return f"No edge has a known K_N or range of K_T ({reasons[0]})."
-    return " ".join(_without_fronts(run, each) for each in run.contacts if each.solid)
+    return " ".join(_without_fronts(run, each) for each in run.contacts if not each.edges)
 
 
 def _without_fronts(run: Result, contact: Contact) -> str:
-    """The reason for which a contact between solids has no fronts, and what else is known of it."""
+    """The reason for which a contact has no edges or fronts, and what else is known of it."""
     first, last = run.loads.evaluated
     state = first + int(np.argmax(contact.normal_force[first : last + 1]))
     if not contact.normal_force[state] > 0:
@@ -111,6 +111,8 @@ def _without_fronts(run: Result, contact: Contact) -> str:
         f"largest pressure {number(contact.largest_pressure[state])} {run.unit('stress')}",
     )
     why = contact.lack.text or "it carries no force at the end of the cycle"
+    if not contact.solid:
+        why = "both bodies go on behind both ends of its surface"
     return f"{contact.name}: no edge factors, as {why}. At {when(run, state)} {', '.join(known)}."
 
 
@@ -238,9 +240,9 @@ def _share(part: float) -> str:
 def _agreement(run: Result) -> str:
     """Count of edges or stations whose longest zone agrees with the prediction."""
     stations = [each for contact in run.contacts for each in contact.edges]
-    if run.solid and not stations:
+    if not stations:
         return ""
-    if stations and all(each.friction == 0 for each in stations):
+    if all(each.friction == 0 for each in stations):
         return f"{len(stations)} {_what(run, len(stations))} without friction."
     still = sum(map(_still, stations))
     words = Counter(longest_verdict(each).verdict for each in stations if not _still(each))
@@ -249,7 +251,7 @@ def _agreement(run: Result) -> str:
     if still and not words:
         return rest
     if not words:
-        unknown = not stations or any(each.lack.whole for each in stations)
+        unknown = any(each.lack.whole for each in stations)
         what = _what(run, len(stations))
         return f"{len(stations)} {what}, {'slip zones unknown' if unknown else 'no slip zones'}."
     others = ", ".join(f"{n} {word}" for word, n in words.items() if word is not Verdict.AGREES)
@@ -272,7 +274,7 @@ def _what(run: Result, count: int) -> str:
 
 def _half_model(run: Result) -> str:
     """Contacts that end at a plane of symmetry, of which only the half is there."""
-    names = [each.name for each in run.contacts if len(each.edges) < len(each.stations)]
+    names = [each.name for each in run.contacts if 0 < len(each.edges) < len(each.stations)]
     if not names:
         return ""
     return f"Half model: {', '.join(names)} ends at a plane of symmetry; P and Q are the half."

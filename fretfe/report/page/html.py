@@ -146,14 +146,16 @@ def _sections(run: Result, chosen: Sequence[At]) -> tuple[Section, ...]:
     if run.solid:
         return _solid_sections(run, chosen)
     shown, keyed = shown_contacts(run), _keyed(run)
-    factors = [partial(history.factor_plot, run, contact, key) for key, contact in keyed]
+    factors = [
+        partial(history.factor_plot, run, contact, key) for key, contact in keyed if contact.edges
+    ]
     paths = [partial(history.path_plot, run, contact, key) for key, contact in keyed]
     loads = partial(history.load_plot, run)
     histories = (
         _section("factors", "Edge factors", history.FACTORS_INTRO, factors),
         _section("loads", "Loads", history.LOADS_INTRO, [loads, *paths]),
     )
-    stations = [(each, edge) for each in shown for edge in each.summary.stations]
+    stations = [(each, edge) for each in shown for edge in each.summary.edges]
     asymptotes = [partial(edges.edge_plot, *each) for each in stations]
     loops: list[Draw] = [
         *_each(history.slip_loop_plot, shown),

@@ -55,7 +55,7 @@ def station_table(run: Result) -> Table | None:
     """
     if not any(contact.fronts for contact in run.contacts):
         return None
-    edges = [edge for contact in run.contacts for edge in contact.stations]
+    edges = [edge for contact in run.contacts for edge in contact.edges]
     if not run.solid and not any(np.isfinite(edge.position[edge.decisive]) for edge in edges):
         return None
     return _front_table(run) if run.solid else _edge_table(run)

@@ -137,9 +137,11 @@ def _plan_solids(run: Result) -> list[Wanted]:
 def _plan_plane(run: Result) -> list[Wanted]:
     states = tuple(extremes(run))
     bodies = Wanted("stress.png", STRESS, "bodies", states)
+    # Its reason stands where edges are not found; there may be none to be found.
+    nowhere = [("", "", ())] if any(each.edges for each in run.contacts) else []
     edges = [
         Wanted(f"edges{mark}.png", f"Stress at the contact edges{part}", "edges", states, chunk)
-        for mark, part, chunk in _chunks(_edge_places(run), MOST_EDGES) or [("", "", ())]
+        for mark, part, chunk in _chunks(_edge_places(run), MOST_EDGES) or nowhere
     ]
     status = [
         Wanted(
@@ -165,7 +167,7 @@ def _edge_places(run: Result) -> list[EdgePlace]:
     """All edges that there are at the load extremes."""
     places = []
     for contact in run.contacts:
-        for edge, state in itertools.product(contact.stations, extremes(run)):
+        for edge, state in itertools.product(contact.edges, extremes(run)):
             position, half_width = float(edge.position[state]), float(contact.half_width[state])
             if np.isfinite([position, half_width]).all():
                 zones = edge.slip_zones[-2:]
@@ -181,7 +183,7 @@ def _edge_places(run: Result) -> list[EdgePlace]:
 def edges_left_out(run: Result) -> list[str]:
     """Titles of the edges of contacts that have not both their edges at a load extreme."""
     shown = {edge.title for edge in _edge_places(run)}
-    titles = [f"{each.name}, {edge_title(edge)}" for each in run.contacts for edge in each.stations]
+    titles = [f"{each.name}, {edge_title(edge)}" for each in run.contacts for edge in each.edges]
     return [title for title in titles if title not in shown]
 
 
