@@ -110,6 +110,7 @@ def contact(gap: list[list[float]], weights: Array | None = None, **changes: Any
         **changes,
     }
     zeros = np.zeros((len(gap), count, 2))
+    mean = values.pop("mean_traction", zeros)
     return ContactHistory(
         name="main",
         pair="main",
@@ -118,7 +119,7 @@ def contact(gap: list[list[float]], weights: Array | None = None, **changes: Any
         surface=surface,
         friction=Friction.uniform(np.zeros(len(gap)), count),
         traction=zeros,
-        mean_traction=zeros,
+        mean_traction=mean,
         dissipation=np.zeros(len(gap)),
         full_stick=FullStickUnits(np.zeros((0, count, 2, 0)), np.full(len(gap), -1)),
         **values,
@@ -178,15 +179,29 @@ def test_nodes_at_the_limit_that_do_not_move_stick() -> None:
     """Slip of 1e-15 after sliding by 0.01 is round-off; of 1e-6 it is not."""
     slip = np.array([[0, 0, 0, 0], [0.01, 0.01, 0.01, 0.01], [0.01 + 1e-15, 0.01, 0.010001, 0.01]])
     status = np.array([[OPEN] * 4, [SLIP] * 4, [SLIP, STICK, SLIP, OPEN]], dtype=np.int8)
-    surface = contact([[0.0] * 4] * 3, slip=slip[..., None], status=status)
+    changes = {"slip": slip[..., None], "status": status, "mean_traction": np.zeros((3, 4, 2))}
+    changes["mean_traction"][1:, :, 0] = 1.0
+    surface = contact([[0.0] * 4] * 3, **changes)
     assert visible_status(surface, 2).tolist() == [STICK, STICK, SLIP, OPEN]
     assert visible_status(surface, 1).tolist() == [SLIP] * 4
     assert visible_status(surface, 0).tolist() == [OPEN] * 4
-    smooth = contact([[0.0] * 4] * 3, slip=-slip[..., None], status=status, weights=np.arange(4.0))
+    smooth = contact([[0.0] * 4] * 3, weights=np.arange(4.0), **changes)
     surface = replace(smooth, friction=Friction.uniform(np.full(3, 0.5), 4))
     assert shares_text(surface, 2) == "stick 33.3%, slip 66.7%"
-    assert shares_text(surface, 0) == "open"
+    assert shares_text(surface, 0) == "carries nothing"
     assert shares_text(smooth, 2) == "in contact, without friction"
+
+
+def test_surfaces_that_touch_without_a_force_do_not_slip() -> None:
+    """Unloaded to round-off of P, all nodes at f p = 0: that is no slip of 100 %."""
+    slip = np.array([[0.0, 0.0], [0.0, 0.0], [0.01, 0.02]])
+    status = np.array([[OPEN] * 2, [STICK] * 2, [SLIP] * 2], dtype=np.int8)
+    mean = np.zeros((3, 2, 2))
+    mean[:, :, 0] = [[0.0] * 2, [1.0] * 2, [1e-9] * 2]
+    surface = contact([[0.0] * 2] * 3, slip=slip[..., None], status=status, mean_traction=mean)
+    assert visible_status(surface, 1).tolist() == [STICK] * 2
+    assert visible_status(surface, 2).tolist() == [OPEN] * 2
+    assert shares_text(surface, 2) == "carries nothing"
 
 
 WAVE = np.sin(np.linspace(0, 2 * np.pi, 9))

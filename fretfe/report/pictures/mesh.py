@@ -26,6 +26,7 @@ from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
+from fretfe.evaluate.loaded import NO_LOAD, normal_force
 from fretfe.files import writing
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.mesh.elements import CORNERS, shape_values
@@ -421,9 +422,12 @@ def contact_view(contact: ContactHistory, states: Sequence[int]) -> View:
 def visible_status(contact: ContactHistory, state: int) -> npt.NDArray[np.int8]:
     """(N,) status at a state; nodes at the limit of friction that do not move count as sticking.
 
-    Which of them count as slipping in the solution is a matter of round-off.
+    Which of them count as slipping in the solution is a matter of round-off. Where the contact
+    carries nothing all are open, even if the surfaces still touch.
     """
-    status = contact.status[state].copy()
+    status, force = contact.status[state].copy(), normal_force(contact)
+    if not force[state] > NO_LOAD * force.max():
+        status[:] = OPEN
     before, after = contact.slip[max(state - 1, 0)], contact.slip[state]
     moved, largest = np.abs(after - before).max(axis=-1), np.abs([before, after]).max()
     status[(status == SLIP) & (moved <= ROUND_OFF * largest)] = STICK
@@ -436,7 +440,7 @@ def shares_text(contact: ContactHistory, state: int) -> str:
     lengths = {kind: contact.surface.weights[status == kind].sum() for kind in (STICK, SLIP)}
     total = sum(lengths.values())
     if total == 0:
-        return "open"
+        return "carries nothing"
     if not contact.friction.at(state, status != OPEN).any():
         return "in contact, without friction"
     return ", ".join(f"{NAMES[kind]} {length / total:.1%}" for kind, length in lengths.items())
