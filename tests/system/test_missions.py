@@ -20,6 +20,8 @@ from fretfe.case import parse_case
 from fretfe.caution import Kind, grouped
 from fretfe.loads import CycleChoice
 from fretfe.report.page.headline import headline
+from fretfe.report.page.tables import contact_table
+from fretfe.report.texts import number
 from fretfe.results.model import Result
 
 DEMOS = Path(__file__).parents[2] / "demos"
@@ -100,7 +102,10 @@ def test_flanks_that_slide_say_how_far_and_how_long() -> None:
         assert 0.5 <= contact.sliding_share < 0.8
         bound = 0.6 * contact.normal_force.max() * contact.sliding_range
         assert 0.3 * bound < contact.dissipation < bound
-    assert headline(result).sliding.startswith("Slides as a whole in the cycle: left in ")
+    told = headline(result).sliding
+    assert told.startswith("Slide as a whole in the cycle: 2 of 2 contacts, farthest ")
+    cells = set(contact_table(result).columns[-1].cells)
+    assert cells == {number(each.sliding_range, 3) for each in result.contacts}
     kinds = {group.kind for group in grouped(result.warnings)}
     assert Kind.GROSS_SLIP in kinds and Kind.NOT_RESOLVED not in kinds
 

@@ -217,20 +217,21 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
 
 
 def _sliding(run: Result) -> str:
-    """Contacts of which all slips at a time, in one sentence."""
-    texts = [
-        f"{contact.name} in {_share(contact.sliding_share)} of the time, by "
-        f"{number(contact.sliding_range, 3)} {run.unit('length')}, friction work "
-        + _known(
-            with_error(contact.reported_dissipation, contact.dissipation_spread), run.unit("work")
-        )
-        for contact in run.contacts
-        if contact.sliding_share > 0
-    ]
-    if not texts:
+    """Contacts of which all slips at a time: their count, and the one that slides farthest."""
+    sliding = [each for each in run.contacts if each.sliding_share > 0]
+    if not sliding:
         return ""
+    worst = max(sliding, key=lambda each: each.sliding_range)
+    text = (
+        f"{worst.name} in {_share(worst.sliding_share)} of the time, by "
+        f"{number(worst.sliding_range, 3)} {run.unit('length')}, friction work "
+        + _known(with_error(worst.reported_dissipation, worst.dissipation_spread), run.unit("work"))
+    )
     what = "cycle" if run.loads.cycle is not None else "history"
-    return f"Slides as a whole in the {what}: {'; '.join(texts)}."
+    if len(sliding) > 1:
+        count = f"{len(sliding)} of {len(run.contacts)} contacts"
+        return f"Slide as a whole in the {what}: {count}, farthest {text}."
+    return f"Slides as a whole in the {what}: {text}."
 
 
 def _share(part: float) -> str:

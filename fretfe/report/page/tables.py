@@ -136,20 +136,28 @@ def contact_table(run: Result) -> Table:
     else:
         title = f"Contacts: P, Q in {force}, half-width in {run.unit('length')}"
         headers = ["P", "Q", "half-width", "steady", "Δq/(f p_max)"]
+    # More than one stand nowhere else with their numbers.
+    slides = sum(each.sliding_share > 0 for each in run.contacts) > 1
+    if slides:
+        title += f"; how far all of it slides, in {run.unit('length')}"
+        headers.append("slides")
     table = plain_table(title, ("contact", *headers), text=1)
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
     last = evaluated[1] if evaluated else -1
     for contact in run.contacts:
         cells = _solid_cells if contact.solid else _plane_cells
-        table.add_row(contact.name, *cells(contact, cycle, last, scale))
+        whole = [number(contact.sliding_range, 3) if contact.sliding_share > 0 else MISSING]
+        row = cells(contact, cycle, last, scale)
+        table.add_row(contact.name, *row, *(whole if slides else ()))
         for patch in contact.patches:
             carried = patch.normal_force, np.linalg.norm(patch.shear_force, axis=1)
             ranges = [_range(each[cycle] / scale, digits=3) for each in carried]
             area = number(patch.contact_area[last], 3)
             table.add_row(f"  {patch.name}", *ranges, area, *[MISSING] * (len(headers) - 3))
         if math.isfinite(contact.local_dissipation):
-            work = number(contact.local_dissipation, 3)
-            table.add_row("  at fronts", *[MISSING] * (len(headers) - 2), work, MISSING)
+            cells_of_work = [MISSING] * len(headers)
+            cells_of_work[headers.index("work")] = number(contact.local_dissipation, 3)
+            table.add_row("  at fronts", *cells_of_work)
     return table
 
 
