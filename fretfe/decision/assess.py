@@ -10,8 +10,8 @@ why; nothing is extrapolated.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import asdict, dataclass, replace
 from enum import Enum
 from pathlib import Path
 from typing import Any
@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Body, isotropic
+from fretfe.case import Body, Units, isotropic
 from fretfe.decision.endurance import (
     Distance,
     ShearAndPressure,
@@ -40,7 +40,7 @@ from fretfe.strength.margins import Margin, result_labels, strength_map
 
 SCHEMA = {"name": "fretfe-assessment", "version": 1}
 # Attributes of an edge and of a judgement, which are keys of the file.
-OF_EDGE = ("contact", "edge", "body", "life", "bar", "spread")
+OF_EDGE = ("contact", "edge", "body", "friction", "life", "bar", "spread")
 OF_JUDGEMENT = ("margin", "low", "high", "place", "reason")
 
 
@@ -91,6 +91,7 @@ class EdgeAssessment:
 
     Attributes:
         contact, edge, body: their names.
+        friction: coefficient of the contact; NaN if it varies.
         judgements: one for each criterion, in the order of `Criterion`.
         arrest: of cracks; None where it is not known.
         life: cycles of a crack between the lengths of the material file; NaN where unknown.
@@ -101,6 +102,7 @@ class EdgeAssessment:
     contact: str
     edge: str
     body: str
+    friction: float
     judgements: tuple[Judgement, ...]
     arrest: Arrest | None
     life: float
@@ -129,6 +131,8 @@ class Assessment:
         length: L of critical distances; NaN where unknown.
         edges: of both bodies of each contact.
         remarks: what to know about all of it.
+        units: of lengths and stresses.
+        others: of other results of these edges, such as with other friction.
     """
 
     result: str
@@ -137,6 +141,34 @@ class Assessment:
     length: float
     edges: tuple[EdgeAssessment, ...]
     remarks: tuple[str, ...]
+    units: Units
+    others: tuple[Assessment, ...] = ()
+
+    def range_of(self, edge: EdgeAssessment, criterion: Criterion) -> tuple[float, float]:
+        """Least and largest margin over all results; NaN without others, or unknown in one."""
+        name = edge.contact, edge.edge, edge.body
+        own = [edge.of(criterion)]
+        for other in self.others:
+            own += [
+                each.of(criterion) for each in other.edges
+                if (each.contact, each.edge, each.body) == name
+            ]  # fmt: skip
+        if not self.others or len(own) <= len(self.others) or any(each.reason for each in own):
+            return math.nan, math.nan
+        margins = [each.margin for each in own]
+        return min(margins), max(margins)
+
+    def keeps(self, margin: float) -> bool:
+        """True if every edge of all results is judged, and has this margin at least."""
+        governing = [each.governing for one in (self, *self.others) for each in one.edges]
+        return all(each is not None and each.margin >= margin for each in governing)
+
+    @property
+    def frictions(self) -> tuple[float, float]:
+        """Smallest and largest coefficient of friction of any result."""
+        every = [each.friction for one in (self, *self.others) for each in one.edges]
+        found = [each for each in every if math.isfinite(each)]
+        return min(found, default=math.nan), max(found, default=math.nan)
 
     @property
     def worst(self) -> tuple[EdgeAssessment, Judgement] | None:
@@ -151,6 +183,7 @@ def assess(
     material: Path | str,
     tests: Path | str | None = None,
     life: float | None = None,
+    others: Sequence[Result] = (),
 ) -> Assessment:
     """Judge the edges of plane contacts by all criteria that the data allow.
 
@@ -159,11 +192,39 @@ def assess(
         material: file with a table `[fatigue]`.
         tests: CSV file of fretting tests.
         life: cycles that the tests are asked for; given with these, and only then.
+        others: results of the same contacts with other friction, or with anything else that is
+            not known well: what it changes.
 
     Raises:
-        CaseError: if a file is not as expected, bodies are solids, or only one of tests and life is
-            given.
+        CaseError: if a file is not as expected, bodies are solids, other results have no edge of
+            this one, or only one of tests and life is given.
     """
+    found = _assess(result, material, tests, life)
+    return replace(
+        found, others=tuple(_other(found, each, material, tests, life) for each in others)
+    )
+
+
+def _other(
+    found: Assessment,
+    result: Result,
+    material: Path | str,
+    tests: Path | str | None,
+    life: float | None,
+) -> Assessment:
+    other = _assess(result, material, tests, life)
+    names = [{(each.contact, each.body) for each in one.edges} for one in (found, other)]
+    if not names[0] & names[1]:
+        raise CaseError(f"{other.result}: expected contacts of {found.result}, found none of them")
+    if other.units != found.units:
+        raise CaseError(f"{other.result}: expected the units of {found.result}, found others")
+    return other
+
+
+def _assess(
+    result: Result, material: Path | str, tests: Path | str | None, life: float | None
+) -> Assessment:
+    """Margins of one result."""
     if (tests is None) != (life is None):
         raise CaseError("expected a file of tests together with a life, found only one of them")
     if result.solid:
@@ -181,6 +242,7 @@ def assess(
         length=_length(data),
         edges=edges,
         remarks=tuple(_remarks(result, data, edges)),
+        units=result.case.units,
     )
 
 
@@ -215,8 +277,9 @@ def _edge(
     if isinstance(field, str):
         others = [Judgement(each, reason=field) for each in list(Criterion)[1:]]
         return EdgeAssessment(
-            contact.name, station.front, name, (by_tests, *others), None, *[math.nan] * 3
-        )
+            contact.name, station.front, name, station.friction, (by_tests, *others), None,
+            *[math.nan] * 3,
+        )  # fmt: skip
     bars = _Bars.of(field, station, data)
     body = isotropic(result.case.bodies[name])
     assert body is not None
@@ -225,7 +288,7 @@ def _edge(
     judgements += _by_distances(field, station, data, body, bars)
     known = None if isinstance(arrest, str) else arrest
     return EdgeAssessment(
-        contact.name, station.front, name, tuple(judgements), known, life,
+        contact.name, station.front, name, station.friction, tuple(judgements), known, life,
         bars.relative, field.smooth.spread,
     )  # fmt: skip
 
@@ -373,7 +436,9 @@ def _by_endurance(
 
 def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:
     """Things that the margins leave out, in words."""
-    yield "friction is taken as it is given: run other coefficients to see what it changes"
+    if sliding := [each.name for each in result.contacts if _slides(each)]:
+        names = ", ".join(sliding)
+        yield f"the whole contact slides in the cycle, and wear is left out: {names}"
     if unsteady := [each.name for each in result.contacts if not each.steady]:
         yield f"the cycle is not steady: {', '.join(unsteady)}"
     if any(each.cycles.irregular for contact in result.contacts for each in contact.stations):
@@ -384,12 +449,18 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
         yield "no life of cracks: fatigue.growth is not given"
 
 
+def _slides(contact: Contact) -> bool:
+    return any(zone.gross for each in contact.stations for zone in each.slip_zones)
+
+
 def assessment_numbers(found: Assessment) -> dict[str, Any]:
     """The margins in the types of JSON; null for what is unknown, or infinite without a reason."""
     worst = found.worst
     return {
         "schema": SCHEMA,
         "result": found.result,
+        "others": [each.result for each in found.others],
+        "units": {"length": found.units.length, "stress": found.units.stress},
         "material": str(found.material),
         "source": found.source,
         "critical_length": json_value(found.length),
@@ -406,7 +477,8 @@ def assessment_numbers(found: Assessment) -> dict[str, Any]:
                 "arrest": None if edge.arrest is None else json_value(asdict(edge.arrest)),
                 "criteria": {
                     each.criterion.value: {
-                        name: json_value(getattr(each, name)) for name in OF_JUDGEMENT
+                        **{name: json_value(getattr(each, name)) for name in OF_JUDGEMENT},
+                        "range": json_value(found.range_of(edge, each.criterion)),
                     }
                     for each in edge.judgements
                 },

@@ -172,7 +172,7 @@ def _obstacle(result: Result, contact: Contact, station: Station) -> str:
     if not all(isotropic(result.case.bodies[each]) for each in (pair.body1, pair.body2)):
         return "a body is a crystal"
     if station.no_edge or not math.isfinite(station.reported_k_n):
-        return "K_N is not known: the pressure has no root at this edge, or too wide a bar"
+        return "K_N is not known: the pressure has no root at this edge, or elements are too large"
     if result.backend != "halfplane" and not result.has_stress:
         return "the run has no stress of the bodies: [output] stress_depths asks for it"
     return ""

@@ -99,7 +99,8 @@ class Arrest:
         start: factor up to which no crack of the shortest length grows at any angle.
         place: length at which the drive is least against its threshold.
         a0: of short cracks.
-        drive: (C,) ΔK over its threshold at this angle; NaN beyond `longest`.
+        lengths, ranges, threshold: (C,) of cracks at this angle, their ΔK and ΔK_th, as far as
+            known.
     """
 
     angle: float
@@ -109,7 +110,9 @@ class Arrest:
     start: float
     place: float
     a0: float
-    drive: Array
+    lengths: Array
+    ranges: Array
+    threshold: Array
 
 
 def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -> Arrest | str:
@@ -127,21 +130,25 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
     long = threshold.at(np.where(drive.ranges > 0, drive.ratios, 0.0))
     if (lost := known & ~np.isfinite(long)).any():
         return f"the threshold is not known at R = {drive.ratios[lost].max():.2g} of a crack"
-    relative = drive.ranges / short_threshold(drive.lengths, long, a0)
+    short = short_threshold(drive.lengths, long, a0)
+    relative = drive.ranges / short
     worst, least, stop = max(
         (_least(drive, relative, int(each)) for each in np.flatnonzero(known.any(axis=1))),
         key=lambda each: each[1:],
     )
-    own, first = relative[worst], float(np.nanmax(relative[:, 0]))
+    own, first = known[worst], float(np.nanmax(relative[:, 0]))
+    lengths = drive.lengths[own]
     return Arrest(
         angle=float(drive.angles[worst]),
         length=stop,
-        longest=float(drive.lengths[known[worst]][-1]),
+        longest=float(lengths[-1]),
         margin=1 / least if least > 0 else math.inf,
         start=1 / first if first > 0 else math.inf,
-        place=float(drive.lengths[int(np.nanargmin(own))]),
+        place=float(lengths[int(np.argmin(relative[worst, own]))]),
         a0=a0,
-        drive=own,
+        lengths=lengths,
+        ranges=drive.ranges[worst, own],
+        threshold=short[worst, own],
     )
 
 

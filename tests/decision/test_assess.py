@@ -164,7 +164,8 @@ def test_the_numbers_are_json(tmp_path: Path) -> None:
     assert edge["criteria"]["SWT, point"]["margin"] == known.margin
     # Infinite: null, and no reason.
     assert edge["criteria"]["arrest of cracks"] == {
-        "margin": None, "low": None, "high": None, "place": None, "reason": ""
+        "margin": None, "low": None, "high": None, "place": None, "reason": "",
+        "range": [None, None],
     }  # fmt: skip
     assert numbers["worst"]["criterion"] in edge["criteria"]
 
@@ -172,10 +173,12 @@ def test_the_numbers_are_json(tmp_path: Path) -> None:
 def test_the_command(tmp_path: Path) -> None:
     run, path = write_run(tmp_path / "run", "halfplane"), write(tmp_path)
     words = ["assess", str(run), "--material", str(path)]
-    done = CliRunner().invoke(app, [*words, "--at-least", "0.01"])
-    assert done.exit_code == 0
-    assert "Worst is main" in done.output and "Unknown (fretting tests)" in done.output
-    assert "∞" in done.output and "friction is taken as it is given" in done.output
+    out = tmp_path / "out"
+    done = CliRunner().invoke(app, [*words, "--at-least", "0.01", "-o", str(out)])
+    assert done.exit_code == 0 and "assessment.html and assessment.json" in done.output
+    assert {each.name for each in out.iterdir()} == {"assessment.html", "assessment.json"}
+    assert "edge of main" in done.output and "unknown (fretting tests)" in done.output
+    assert "∞" in done.output and "smallest and largest likely friction" in done.output
     margin = assess(fretfe.load_result(run), path).worst
     assert margin is not None
     told = CliRunner().invoke(app, [*words, "--json", "--at-least", str(1.01 * margin[1].margin)])

@@ -50,8 +50,6 @@ from fretfe.results.writer import REPORT
 # Draws a figure, or some.
 Draw = Callable[[], "Plot | list[Plot] | None"]
 At = tuple[Contact, Front, Station]
-TEMPLATE = "report.html.j2"
-STYLE = "report.css"
 # Parts of a certificate, in the order of the page, with what they are a violation of.
 CERTIFICATE = {
     "penetration": ("largest penetration", "length"),
@@ -304,8 +302,8 @@ def render(directory: Path, plots: Plots | None = None) -> str:
     ranges = range_name(run)
     glossary = Glossary(solid=run.solid, across=ranges == "|ΔK|")
     answers = guarded("answers for edges", lambda: edge_answers(run), lambda _: ())
-    return _template().render(
-        style=Markup(_text(STYLE)),
+    return render_page(
+        "report.html.j2",
         linked=glossary.linked,
         run=run,
         case=run.case,
@@ -355,14 +353,20 @@ def _nearest_limits(run: Result) -> list[ModelLimit]:
     ]
 
 
+def render_page(name: str, **content: Any) -> str:
+    """A page in the style of all of them: a template of this package with its content."""
+    shown = {"linked": subscripts, **content}
+    return _template(name).render(style=Markup(_text("report.css")), **shown)
+
+
 @cache
-def _template() -> Template:
-    """The page, for all runs of a process: to compile it takes a tenth of a second."""
+def _template(name: str) -> Template:
+    """A page, for all runs of a process: to compile it takes a tenth of a second."""
     environment = Environment(
         autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True
     )
     environment.filters.update(svg=Markup, number=number, grid=_grid, subscripts=subscripts)
-    return environment.from_string(_text(TEMPLATE))
+    return environment.from_string(_text("macros.html.j2") + _text(name))
 
 
 def _text(name: str) -> str:

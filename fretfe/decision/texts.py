@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""An assessment in words: the same sentences and table for the terminal and for the page."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement
+from fretfe.report.texts import MISSING, number, percent, plain_table, rounded
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+
+def known_criteria(found: Assessment) -> list[Criterion]:
+    """Those that are known of some edge."""
+    return [each for each in Criterion if any(not edge.of(each).reason for edge in found.edges)]
+
+
+def margin_table(found: Assessment) -> Table:
+    """Margins of all edges, those side by side that are known somewhere."""
+    from rich.markup import escape
+
+    shown = known_criteria(found)
+    title = escape(f"Margins of {found.result} by {found.material.name}")
+    headers = ("edge", "body", *(each.value for each in shown), "governs")
+    table = plain_table(title, headers, text=2)
+    for edge in found.edges:
+        governing = edge.governing
+        table.add_row(
+            escape(f"{edge.contact} {edge.edge}"),
+            escape(edge.body),
+            *(_margin(edge.of(each)) for each in shown),
+            MISSING if governing is None else governing.criterion.value,
+        )
+    return table
+
+
+def _margin(judgement: Judgement) -> str:
+    return MISSING if judgement.reason else _factor(judgement.margin)
+
+
+def _factor(value: float) -> str:
+    return "∞" if math.isinf(value) else rounded(value)
+
+
+def answer(found: Assessment) -> Iterator[str]:
+    """The worst edge and its criterion, how sure that is, and what would make it surer."""
+    if found.worst is None:
+        yield "No margin of any edge is known; the reasons stand below"
+        return
+    edge, judgement = found.worst
+    sure = "" if math.isnan(judgement.low) else (
+        f" ({_factor(judgement.low)} to {_factor(judgement.high)})"
+    )  # fmt: skip
+    yield (
+        f"Worst is body {edge.body} at the {edge.edge} edge of {edge.contact}"
+        f"{_place(judgement.place, found.units.length)}: "
+        f"margin {_margin(judgement)}{sure} by {judgement.criterion.value}, so it "
+        f"{_verdict(judgement)}"
+    )
+    lost = sum(each.governing is None for each in found.edges)
+    if lost:
+        yield f"{lost} of {len(found.edges)} bodies at edges are not judged and may be worse"
+    yield f"How sure: {'; '.join(_sureness(found, edge, judgement))}"
+    yield f"To be surer: {'; '.join(_wanted(found, edge))}"
+
+
+def _verdict(judgement: Judgement) -> str:
+    """A margin against 1, as far as its interval allows."""
+    kept = {
+        Criterion.TESTS: "survive the life asked for",
+        Criterion.ARREST: "stop its cracks",
+    }.get(judgement.criterion, "endure")
+    if judgement.high < 1:
+        return f"is not expected to {kept}"
+    return f"is expected to {kept}" if judgement.low > 1 else f"may or may not {kept}"
+
+
+def _place(place: float, unit: str) -> str:
+    if math.isnan(place):
+        return ""
+    if place == 0:
+        return ", at the edge itself"
+    return f", {rounded(abs(place))} {unit} {'inside' if place > 0 else 'outside'} of it"
+
+
+def _sureness(found: Assessment, edge: EdgeAssessment, judgement: Judgement) -> Iterator[str]:
+    if math.isnan(judgement.low):
+        yield "error bars of the edge are not known"
+    elif judgement.criterion is Criterion.TESTS:
+        yield "95 % of single parts are in this interval"
+    else:
+        yield (
+            f"the interval is that of the computed stress, {percent(edge.bar, 0)} by K_N and "
+            f"ΔK_T and {rounded(edge.spread, 2)} {found.units.stress} by what the body adds; "
+            "scatter of the material is not in it"
+        )
+    low, high = found.range_of(edge, judgement.criterion)
+    if math.isfinite(low):
+        yield (
+            f"over {len(found.others) + 1} results, friction {_span(found.frictions)}, the margin "
+            f"is {_span((low, high))}"
+        )
+    elif found.others:
+        yield "it is not known of all results"
+
+
+def _span(ends: tuple[float, float]) -> str:
+    low, high = map(_factor, ends)
+    return low if low == high else f"{low} to {high}"
+
+
+def _wanted(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
+    """Steps that would make the margin of an edge surer, the nearest at hand first."""
+    if not found.others:
+        yield (
+            f"run the smallest and largest likely friction (here {_span(found.frictions)}; --set "
+            "contacts.*.friction=...) and add their folders"
+        )
+    coarse = [f"stress is known to {percent(edge.bar, 0)} there"] if _uncertain(edge) else []
+    if any(_short_elements(found, edge)):
+        coarse.append("cracks shorter than an element are left out")
+    if coarse:
+        yield f"refine at this edge: {', and '.join(coarse)}"
+    if edge.arrest is not None and math.isinf(edge.arrest.length):
+        yield "stress at larger depths: cracks may stop there"
+    if edge.of(Criterion.TESTS).reason:
+        yield "fretting tests at such K_N and ΔK_T"
+    lost = [each.criterion.value for each in edge.judgements[1:] if each.reason]
+    if lost:
+        yield f"what these need: {', '.join(lost)}"
+
+
+def details(found: Assessment) -> Iterator[str]:
+    """Cracks, what is unknown and why, remarks; what several edges share once."""
+    said: dict[str, list[EdgeAssessment]] = {}
+    for edge in found.edges:
+        for texts in (
+            _cracks(edge, found.units.length),
+            _short_elements(found, edge),
+            _unknown(edge),
+        ):
+            for text in texts:
+                said.setdefault(text, []).append(edge)
+    for text, own in said.items():
+        yield f"{'All edges' if len(own) == len(found.edges) else _names(own)}: {text}"
+    if math.isfinite(found.length):
+        length = f"{rounded(found.length)} {found.units.length}"
+        yield f"Critical distance L = {length}; source of the data: {found.source}"
+    yield from (f"Note: {text}" for text in found.remarks)
+
+
+def _names(own: list[EdgeAssessment]) -> str:
+    """Edges, with the body where it is one of both."""
+    bodies: dict[str, list[str]] = {}
+    for edge in own:
+        bodies.setdefault(f"{edge.contact} {edge.edge}", []).append(edge.body)
+    return ", ".join(f"{at} {each[0]}" if len(each) == 1 else at for at, each in bodies.items())
+
+
+def _cracks(edge: EdgeAssessment, unit: str) -> Iterator[str]:
+    """Start, arrest and life of cracks, in words."""
+    arrest = edge.arrest
+    if arrest is None:
+        return
+    if arrest.length == 0:
+        closed = math.isinf(arrest.start)
+        up_to = f", up to {_factor(arrest.start)} times the stress"
+        yield f"no crack starts{': its faces stay closed' if closed else up_to}"
+    elif math.isinf(arrest.length):
+        yield (
+            f"a crack at {arrest.angle:g}° grows through {rounded(arrest.longest)} {unit}, as far "
+            "as the stress is known"
+        )
+    else:
+        yield f"cracks start and stop, at {arrest.angle:g}° after {rounded(arrest.length)} {unit}"
+    if math.isfinite(edge.life):
+        yield f"{number(edge.life, 2)} cycles between the lengths of fatigue.growth"
+
+
+def _uncertain(edge: EdgeAssessment) -> bool:
+    """True if smaller elements are worth it: all margins are in doubt by as much."""
+    return edge.bar > 0.1
+
+
+def _short_elements(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
+    """Lengths of cracks that are left out because elements are larger."""
+    arrest = edge.arrest
+    if arrest is not None and arrest.lengths[0] > 0.101 * arrest.a0:
+        unit = found.units.length
+        yield (
+            f"cracks are judged from the length of an element on, {rounded(arrest.lengths[0])} "
+            f"{unit}; elements of a0/10 = {rounded(0.1 * arrest.a0)} {unit} would show whether "
+            "shorter ones start"
+        )
+
+
+def _unknown(edge: EdgeAssessment) -> Iterator[str]:
+    """Reasons for what is unknown, each with its criteria."""
+    reasons: dict[str, list[str]] = {}
+    for each in edge.judgements:
+        if each.reason:
+            reasons.setdefault(each.reason, []).append(each.criterion.value)
+    yield from (f"unknown ({'; '.join(names)}): {text}" for text, names in reasons.items())
+    if _uncertain(edge):
+        yield f"the stress is known to {percent(edge.bar, 0)} only: refine at the edge"

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""The page of an assessment and its sentences: first the answer, how sure, and what is missing."""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from cases.stored_runs import CYCLE, solved, write_run
+from decision.test_material import FATIGUE, write
+
+from fretfe.backends import RunOptions
+from fretfe.backends.halfplane import BACKEND
+from fretfe.case import parse_case
+from fretfe.decision.assess import Assessment, Criterion, assess
+from fretfe.decision.page import write_assessment
+from fretfe.decision.texts import answer, details
+from fretfe.errors import CaseError
+from fretfe.loads import build_history
+from fretfe.results.model import Result
+
+
+@pytest.fixture(scope="module")
+def known(tmp_path_factory: pytest.TempPathFactory) -> Assessment:
+    return assess(solved("halfplane"), write(tmp_path_factory.mktemp("data")))
+
+
+def with_friction(friction: float) -> Result:
+    """The same pad under the same loads."""
+    main = {**CYCLE["contacts"]["main"], "friction": friction}
+    case = parse_case({**CYCLE, "contacts": {"main": main}})
+    found = BACKEND.solve(case, RunOptions(history=build_history(case)))
+    return replace(found, backend="halfplane")
+
+
+def test_range_over_results_of_other_friction(known: Assessment, tmp_path: Path) -> None:
+    found = replace(known, others=(assess(with_friction(0.8), write(tmp_path)),))
+    for edge, other in zip(found.edges, found.others[0].edges, strict=True):
+        for criterion in list(Criterion)[2:]:
+            margins = [each.of(criterion).margin for each in (edge, other)]
+            assert found.range_of(edge, criterion) == (min(margins), max(margins))
+            assert margins[0] != margins[1]
+        # Unknown in one, unknown in all.
+        assert math.isnan(found.range_of(edge, Criterion.TESTS)[0])
+    first, sure, wanted = answer(found)
+    assert first.startswith("Worst is body") and "over 2 results" in sure
+    assert f"{found.frictions[0]:g} to 0.8" in sure and "likely friction" not in wanted
+    smallest = min(each.worst[1].margin for each in (found, *found.others) if each.worst)
+    assert found.keeps(0.99 * smallest) and not found.keeps(1.01 * smallest)
+
+
+def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
+    given = solved("halfplane")
+    other = replace(given, contacts=tuple(replace(each, name="b") for each in given.contacts))
+    with pytest.raises(CaseError, match="expected contacts of"):
+        assess(given, write(tmp_path), others=[other])
+
+
+def test_edges_that_are_not_judged_are_said_first(known: Assessment, tmp_path: Path) -> None:
+    nothing = assess(solved("incomplete"), write(tmp_path))
+    assert list(answer(nothing)) == [
+        "No margin of any edge is known; the reasons stand below"
+    ] and not nothing.keeps(0)
+    mixed = replace(known, edges=(*known.edges, nothing.edges[0]))
+    assert "1 of 5 bodies at edges are not judged and may be worse" in list(answer(mixed))
+    assert not mixed.keeps(0)
+
+
+def test_elements_larger_than_short_cracks_are_said(known: Assessment, tmp_path: Path) -> None:
+    short = write(tmp_path, threshold={**FATIGUE["threshold"], "range": 1.0})
+    found = assess(solved("halfplane"), short)
+    for edge in found.edges:
+        assert edge.arrest is not None
+        assert edge.arrest.lengths[0] > 0.1 * edge.arrest.a0
+    assert any("from the length of an element on" in text for text in details(found))
+    assert any("cracks shorter than an element are left out" in text for text in answer(found))
+    assert not any("length of an element" in text for text in details(known))
+
+
+def test_the_page_and_the_numbers(known: Assessment, tmp_path: Path) -> None:
+    found = replace(known, source="<b>7</b>")
+    page, numbers = write_assessment(found, tmp_path / "out")
+    html = page.read_text("utf-8")
+    (first, *_) = answer(found)
+    assert re.findall(r'<p class="answer">([^<]*)\.</p>', html)[0] == first
+    assert html.count("<svg") == 2 and "<b>" not in html
+    assert html.count("<tr>") == 1 + len(found.edges)
+    assert json.loads(numbers.read_text("utf-8"))["units"] == {"length": "mm", "stress": "MPa"}
+    again, _ = write_assessment(found, tmp_path / "out")
+    assert again.read_text("utf-8") == html
+
+
+def test_no_page_among_results(known: Assessment, tmp_path: Path) -> None:
+    with pytest.raises(CaseError, match="without results"):
+        write_assessment(known, write_run(tmp_path / "run", "halfplane"))
