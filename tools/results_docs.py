@@ -15,6 +15,7 @@ from dataclasses import fields
 from pathlib import Path
 
 from fretfe.case import Units
+from fretfe.decision import stress_histories
 from fretfe.evaluate.contacts import (
     Contact,
     CountedCycles,
@@ -41,6 +42,7 @@ COLUMNS = {
     "local.csv": export.PLANE_LOCAL,
     "stress.csv": export.STRESS,
     "edge_stress.csv": export.EDGE_STRESS,
+    "edge_histories.csv": stress_histories.COLUMNS,
 }
 HISTORIES = {Contact: histories(Contact), Station: histories(StationHistory)}
 WORDS = Units(length="length", force="force", stress="stress", time="time")

@@ -254,7 +254,9 @@ def _comparison_table(comparison: Comparison) -> Table:
     return table
 
 
-EXPORT_EXAMPLES = examples("fretfe export pad -o pad_csv")
+EXPORT_EXAMPLES = examples(
+    "fretfe export pad -o pad_csv", "fretfe export pad -o pad_csv --depth 0.05 --depth 0.1"
+)
 
 
 def export(
@@ -270,19 +272,45 @@ def export(
             show_default=False,
         ),
     ] = None,
+    depth: Annotated[
+        list[float] | None,
+        typer.Option(
+            help="Distance from plane edges at which the history of the stress is written; can be "
+            "given several times.",
+            show_default=False,
+        ),
+    ] = None,
+    angle: Annotated[
+        list[float] | None,
+        typer.Option(
+            help="Of these places, from the inward normal, positive under the contact; likewise.",
+            show_default="0",
+        ),
+    ] = None,
 ) -> None:
     """Write the numbers of a run as CSV files."""
     if rank_from_environment() > 0:
         return
     from fretfe.api import load_result
     from fretfe.console import Console
+    from fretfe.decision.stress_histories import edge_histories, history_table, write_histories
     from fretfe.exchange.export import export_result
 
+    if angle and not depth:
+        raise CaseError("--angle: expected --depth beside it, found none")
     result = load_result(results)
+    histories = edge_histories(result, depth, angle or [0.0]) if depth else ()
+    more = [history_table(result, histories)] if histories else []
     console = Console()
-    for each in export_result(result, output, fatemi_socie):
+    for each in export_result(result, output, fatemi_socie, more):
         rows = f"{each.rows} row{'s' if each.rows != 1 else ''}"
         print(f"{each.path}: {rows}")
+    if histories:
+        print(write_histories(result, histories, output))
+    for history in histories:
+        if history.reason:
+            name = f"{history.contact} {history.edge} {history.body}"
+            console.print(f"Note: {name}: {history.reason}", markup=False, highlight=False)
     if result.failure is not None:
         console.print(f"Note: the run is not complete: {result.failure}", markup=False)
 

@@ -360,7 +360,10 @@ class Exported:
 
 
 def export_result(
-    result: Result, folder: Path, fatemi_socie: tuple[float, float] | None = None
+    result: Result,
+    folder: Path,
+    fatemi_socie: tuple[float, float] | None = None,
+    more: Iterable[ExportTable] = (),
 ) -> tuple[Exported, ...]:
     """Write histories, factors, edges, cycles or stations, and tractions as CSV files.
 
@@ -368,6 +371,7 @@ def export_result(
         result: of plane bodies or of solids, complete or not.
         folder: for the files; made if missing. Tables of an earlier export in it are replaced.
         fatemi_socie: k and yield stress of that parameter; None leaves it out.
+        more: tables beside these.
 
     Returns:
         The files; the last one lists their columns.
@@ -378,7 +382,7 @@ def export_result(
         OutputError: if a file cannot be written, or there is no stress for that parameter.
     """
     prepare_other(folder)
-    exported = list(export_tables(result, fatemi_socie))
+    exported = [*export_tables(result, fatemi_socie), *more]
     with writing(folder, "the tables"):
         _remove_earlier(folder, [each.file for each in exported])
         named = ((t.file, h.text, h.name, h.unit, h.meaning) for t in exported for h in t.headings)

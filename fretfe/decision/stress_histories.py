@@ -1,0 +1,144 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories of the whole stress tensor below edges of plane contacts, for other fatigue programs.
+
+At places on rays from the edge, as cracks start there, through the evaluated cycle. S11 is along
+the surface, inward; S22 along the outward normal; S33 along z; shears are those of the tensor.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fretfe._typing import Array, Indices
+from fretfe.decision.field import EdgeField, edge_field
+from fretfe.errors import CaseError
+from fretfe.exchange.export import STATE, ExportTable, headings
+from fretfe.files import replacing, writing
+from fretfe.results.hdf5_file import new_hdf5, store
+from fretfe.results.model import Result
+from fretfe.results.quantities import CONTACT, EDGE, Column
+
+FILE = "edge_histories"
+COMPONENTS = ("S11", "S22", "S33", "S12", "S13", "S23")
+COLUMNS = (
+    CONTACT,
+    EDGE,
+    Column("body", "", "name of the body"),
+    Column("angle", "angle", "of the ray from the inward normal, positive under the contact"),
+    Column("distance", "length", "along the ray, from the outermost place of the edge"),
+    *STATE,
+    *(Column(name, "stress", "component of the stress there") for name in COMPONENTS),
+)
+
+
+@dataclass(frozen=True)
+class EdgeHistory:
+    """Stress below one edge in one body.
+
+    Attributes:
+        contact, edge, body: their names.
+        angles, distances: (M,) of the places, in degrees and units of length.
+        states: (n,) their numbers.
+        times: (n,).
+        stress: (n, M, 6) `COMPONENTS`.
+        reason: why there is none; empty if all places are known.
+    """
+
+    contact: str
+    edge: str
+    body: str
+    angles: Array
+    distances: Array
+    states: Indices
+    times: Array
+    stress: Array
+    reason: str
+
+
+def edge_histories(
+    result: Result, distances: Sequence[float], angles: Sequence[float] = (0.0,)
+) -> tuple[EdgeHistory, ...]:
+    """Stress at distances from the edges of plane contacts, through the evaluated cycle.
+
+    Args:
+        result: of half-planes, or with `[output] stress_depths`.
+        distances: along the rays, not negative.
+        angles: of the rays, from -80 to 80 degrees.
+
+    Raises:
+        CaseError: if bodies are solids, there is no cycle, or a number is outside of these.
+    """
+    if result.solid:
+        raise CaseError("expected results of plane bodies, found solids")
+    if not all(math.isfinite(each) and each >= 0 for each in distances):
+        raise CaseError("--depth: expected finite numbers, not negative, found others")
+    if not all(-80 <= each <= 80 for each in angles):
+        raise CaseError("--angle: expected numbers from -80 to 80, found others")
+    turns, steps = (each.ravel() for each in np.meshgrid(angles, distances, indexing="ij"))
+    found = []
+    for contact in result.contacts:
+        pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
+        for station in contact.edges:
+            for number, body in enumerate((pair.body1, pair.body2)):
+                field = edge_field(result, contact, station, number)
+                name = contact.name, station.front, body
+                found.append(_history(result, name, field, turns, steps))
+    return tuple(found)
+
+
+def _history(
+    result: Result, name: tuple[str, str, str], field: EdgeField | str, turns: Array, steps: Array
+) -> EdgeHistory:
+    """Stress at angles and distances (M,), as far as it is known."""
+    if isinstance(field, str):
+        none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
+        return EdgeHistory(*name, none, none, states, none, np.zeros((0, 0, 6)), field)
+    reach = np.array([field.reach(float(each)) for each in np.radians(turns)])
+    inside = steps <= reach
+    rays = np.radians(turns[inside])
+    places = np.stack([np.sin(rays), -np.cos(rays)], axis=1) * steps[inside, None]
+    stress = np.zeros((len(field.states), len(places), 6))
+    stress[..., :4] = field.stress(places)
+    times = np.asarray(result.loads.times)[field.states]
+    beyond = f"stress is known to {reach.min():.3g} only: places beyond are left out"
+    reason = "" if inside.all() else beyond
+    return EdgeHistory(*name, turns[inside], steps[inside], field.states, times, stress, reason)
+
+
+def history_table(result: Result, histories: Sequence[EdgeHistory]) -> ExportTable:
+    """A row for each place and state."""
+    rows = (
+        (each.contact, each.edge, each.body, angle, distance, state, time, *stress)
+        for each in histories
+        for place, (angle, distance) in enumerate(zip(each.angles, each.distances, strict=True))
+        for state, time, stress in zip(each.states, each.times, each.stress[:, place], strict=True)
+    )
+    return ExportTable(f"{FILE}.csv", headings(COLUMNS, result.case.units, solid=False), rows)
+
+
+def write_histories(result: Result, histories: Sequence[EdgeHistory], folder: Path) -> Path:
+    """Write the same as HDF5, a group for each edge and body, into a folder that exists.
+
+    Raises:
+        OutputError: if the file cannot be written.
+    """
+    path = folder / f"{FILE}.h5"
+    schema = {"name": "fretfe-edge-histories", "version": 1}
+    with writing(folder, "the histories"), replacing(path) as new, new_hdf5(new, schema) as file:
+        file.attrs.update({
+            "length": result.case.units.length,
+            "stress": result.case.units.stress,
+            "components": list(COMPONENTS),
+        })  # fmt: skip
+        for number, each in enumerate(histories):
+            group = file.create_group(f"edge_{number}")
+            for name in ("contact", "edge", "body", "reason"):
+                group.attrs[name] = getattr(each, name)
+            for name in ("angles", "distances", "states", "times", "stress"):
+                store(group, name, getattr(each, name))
+    return path

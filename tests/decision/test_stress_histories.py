@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories of stress for other programs: the same as of the field, in CSV and HDF5."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import h5py
+import numpy as np
+import pandas as pd
+import pytest
+from cases.stored_runs import solved, write_run
+from typer.testing import CliRunner
+
+from fretfe.cli.app import app
+from fretfe.decision.stress_histories import COMPONENTS, edge_histories
+from fretfe.errors import CaseError
+
+
+def test_free_surface_and_equilibrium() -> None:
+    """No traction outside of the contact, where there is stress along the surface."""
+    (_, outside, *_) = edge_histories(solved("halfplane"), [0.0, 0.3], [0.0, -80.0])
+    surface = outside.stress[:, outside.distances == 0]
+    largest = np.abs(surface[..., 0]).max()
+    assert largest > 10
+    assert np.abs(surface[..., [1, 3]]).max() < 1e-3 * largest
+    # Plane strain without tension: the stress along z follows from the others.
+    below = outside.stress[:, outside.distances > 0]
+    assert below[..., 2] == pytest.approx(0.3 * (below[..., 0] + below[..., 1]))
+    assert not below[..., 4:].any()
+
+
+def test_csv_and_hdf5_agree(tmp_path: Path) -> None:
+    run, out = write_run(tmp_path / "run", "halfplane"), tmp_path / "out"
+    words = [
+        "export",
+        str(run),
+        "-o",
+        str(out),
+        "--depth",
+        "0.1",
+        "--depth",
+        "1e3",
+        "--angle",
+        "20",
+    ]
+    done = CliRunner().invoke(app, words)
+    assert done.exit_code == 0 and "places beyond are left out" in done.output
+    table = pd.read_csv(out / "edge_histories.csv")
+    table.columns = table.columns.str.split(" ").str[0]
+    assert set(table.groupby(["contact", "edge", "body"]).groups) == {
+        ("main", edge, body) for edge in ("left", "right") for body in ("upper", "lower")
+    }
+    with h5py.File(out / "edge_histories.h5") as file:
+        assert (file.attrs["schema"], file.attrs["stress"]) == ("fretfe-edge-histories", "MPa")
+        assert list(file.attrs["components"]) == list(COMPONENTS)
+        for group in file.values():
+            rows = table[(table.edge == group.attrs["edge"]) & (table.body == group.attrs["body"])]
+            assert group["distances"][:].tolist() == [0.1] and group["angles"][:].tolist() == [20]
+            assert group["stress"][:, 0] == pytest.approx(rows[list(COMPONENTS)].to_numpy())
+            assert group["times"][:] == pytest.approx(rows.time.to_numpy())
+    listed = pd.read_csv(out / "columns.csv")
+    assert "S12" in set(listed[listed.file == "edge_histories.csv"].column)
+
+
+def test_numbers_that_are_none(tmp_path: Path) -> None:
+    for wrong in ([-1.0], [np.nan], [np.inf]):
+        with pytest.raises(CaseError, match="--depth"):
+            edge_histories(solved("halfplane"), wrong)
+    with pytest.raises(CaseError, match="--angle"):
+        edge_histories(solved("halfplane"), [0.1], [90.0])
+    assert all(each.reason for each in edge_histories(solved("incomplete"), [0.1]))
