@@ -83,6 +83,11 @@ class GrowthTable(Table):
             raise ValueError(
                 f"expected two ranges, between which the law was tested, found {len(self.ranges)}"
             )
+        if self.factor is not None and self.exponent is not None:
+            # Numbers that are none: rates of a law would overflow.
+            shift, slope = math.log10(self.factor), self.exponent
+            if any(abs(shift + slope * math.log10(each)) > 100 for each in self.ranges):
+                raise ValueError("expected rates between 1e-100 and 1e100 at the ranges")
         if any(b < a for a, b in pairwise(self.rates or ())):
             raise ValueError("expected rates that do not fall with the range, found some that do")
         if self.start >= self.end:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 from typing import Annotated
 
@@ -10,6 +11,7 @@ import typer
 
 from fretfe.cli.options import AsJson, examples
 from fretfe.environment import rank_from_environment
+from fretfe.errors import CaseError
 from fretfe.report.texts import print_whole
 
 ASSESS_EXAMPLES = examples(
@@ -64,6 +66,8 @@ def assess(
     from fretfe.decision.assess import assessment_numbers
     from fretfe.decision.texts import answer, details, margin_table
 
+    if at_least is not None and not math.isfinite(at_least):
+        raise CaseError(f"--at-least: expected a finite number, found {at_least:g}")
     result, *others = map(load_result, directories)
     found = judge(result, material, tests, life, others)
     if as_json:

@@ -196,29 +196,26 @@ def assess(
             not known well: what it changes.
 
     Raises:
-        CaseError: if a file is not as expected, bodies are solids, other results have no edge of
+        CaseError: if a file is not as expected, bodies are solids, other results have no contact of
             this one, or only one of tests and life is given.
     """
+    for other in others:
+        _require_alike(result, other)
     found = _assess(result, material, tests, life)
-    return replace(
-        found, others=tuple(_other(found, each, material, tests, life) for each in others)
-    )
+    return replace(found, others=tuple(_assess(each, material, tests, life) for each in others))
 
 
-def _other(
-    found: Assessment,
-    result: Result,
-    material: Path | str,
-    tests: Path | str | None,
-    life: float | None,
-) -> Assessment:
-    other = _assess(result, material, tests, life)
-    names = [{(each.contact, each.body) for each in one.edges} for one in (found, other)]
-    if not names[0] & names[1]:
-        raise CaseError(f"{other.result}: expected contacts of {found.result}, found none of them")
-    if other.units != found.units:
-        raise CaseError(f"{other.result}: expected the units of {found.result}, found others")
-    return other
+def _require_alike(result: Result, other: Result) -> None:
+    """Refuse another result with which a margin has no range.
+
+    Raises:
+        CaseError: if it has no contact of that name, or other units.
+    """
+    one, two = result_labels([result, other])
+    if not {each.name for each in result.contacts} & {each.name for each in other.contacts}:
+        raise CaseError(f"{two}: expected contacts of {one}, found none of them")
+    if other.case.units != result.case.units:
+        raise CaseError(f"{two}: expected the units of {one}, found others")
 
 
 def _assess(
@@ -337,7 +334,13 @@ def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
         return "fatigue.threshold and fatigue.limit are not both given", math.nan
     # The threshold of a tenth of a0 is 5 % below that of the limit; shorter cracks depend on the
     # elements.
-    drive = crack_drive(field, 0.1 * short_length(data.threshold, data.limit))
+    shortest = 0.1 * short_length(data.threshold, data.limit)
+    if max(field.size, shortest) >= field.reach(0.0):
+        return (
+            f"the stress is known down to {field.reach(0.0):.3g}, less than the shortest cracks of "
+            f"interest have: {max(field.size, shortest):.3g}"
+        ), math.nan
+    drive = crack_drive(field, shortest)
     found = judge_arrest(drive, data.threshold, data.limit)
     if isinstance(found, str) or data.growth is None or data.lengths is None:
         return found, math.nan

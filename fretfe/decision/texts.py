@@ -106,6 +106,15 @@ def _sureness(found: Assessment, edge: EdgeAssessment, judgement: Judgement) -> 
         )
     elif found.others:
         yield "it is not known of all results"
+    worse = [(other, other.worst) for other in found.others]
+    known = [(other, worst) for other, worst in worse if worst is not None]
+    if known:
+        other, (at, least) = min(known, key=lambda each: each[1][1].margin)
+        if least.margin < (low if math.isfinite(low) else judgement.margin):
+            yield (
+                f"the smallest margin of all results is {_factor(least.margin)}, at {at.contact} "
+                f"{at.edge} {at.body} of {other.result} by {least.criterion.value}"
+            )
 
 
 def _span(ends: tuple[float, float]) -> str:

@@ -138,6 +138,10 @@ def test_missing_data_are_named(tmp_path: Path) -> None:
     )
     assert "is needed down to" in coarse.edges[0].of(Criterion.POINT).reason
     assert not coarse.edges[0].of(Criterion.ARREST).reason
+    huge = assess(
+        solved("halfplane"), write(tmp_path, threshold={**FATIGUE["threshold"], "range": 4e4})
+    )
+    assert "less than the shortest cracks" in huge.edges[0].of(Criterion.ARREST).reason
 
 
 def test_edges_that_are_not_judged(tmp_path: Path) -> None:

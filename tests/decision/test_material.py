@@ -126,6 +126,7 @@ HOSTILE: dict[str, tuple[dict[str, Any], str]] = {
     "one bound": ({"growth": {**PARIS, "ranges": [1]}}, "fatigue.growth.ranges"),
     "turned bounds": ({"growth": {**PARIS, "ranges": [50, 5]}}, "fatigue.growth"),
     "no law": ({"growth": {"ranges": [5, 50], "start": 1e-4, "end": 1e-3}}, "fatigue.growth"),
+    "steep law": ({"growth": {**PARIS, "exponent": 300.0}}, "fatigue.growth: expected rates"),
     "half a law": ({"growth": {**PARIS, "exponent": None}}, "fatigue.growth"),
     "two laws": ({"growth": {**PARIS, "rates": [1e-9, 1e-8]}}, "fatigue.growth"),
     "falling": (

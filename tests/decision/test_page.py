@@ -16,7 +16,7 @@ from decision.test_material import FATIGUE, write
 from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND
 from fretfe.case import parse_case
-from fretfe.decision.assess import Assessment, Criterion, assess
+from fretfe.decision.assess import Assessment, Criterion, Judgement, assess
 from fretfe.decision.page import write_assessment
 from fretfe.decision.texts import answer, details
 from fretfe.errors import CaseError
@@ -48,6 +48,14 @@ def test_range_over_results_of_other_friction(known: Assessment, tmp_path: Path)
         assert math.isnan(found.range_of(edge, Criterion.TESTS)[0])
     first, sure, wanted = answer(found)
     assert first.startswith("Worst is body") and "over 2 results" in sure
+    second = found.others[0]
+    assert second.worst is not None and found.worst is not None
+    edges = tuple(
+        replace(each, judgements=(Judgement(Criterion.TESTS, 0.1), *each.judgements[1:]))
+        for each in second.edges
+    )
+    worse = replace(found, others=(replace(second, edges=edges),))
+    assert "the smallest margin of all results is 0.1, at main left" in list(answer(worse))[1]
     assert f"{found.frictions[0]:g} to 0.8" in sure and "likely friction" not in wanted
     smallest = min(each.worst[1].margin for each in (found, *found.others) if each.worst)
     assert found.keeps(0.99 * smallest) and not found.keeps(1.01 * smallest)

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from faults import (
     case_files,
+    decisions,
     disc,
     exports,
     fields,
@@ -18,7 +19,10 @@ from faults import (
 )
 from faults.fault import Fault
 
-SOURCES = (case_files, files, tables, fields, folders, models, rigs, lives, exports, pieces, disc)
+SOURCES = (
+    case_files, files, tables, fields, folders, models, rigs, lives, exports, pieces, disc,
+    decisions,
+)  # fmt: skip
 
 
 def all_faults() -> list[Fault]:
