@@ -42,7 +42,7 @@ COLUMNS = {
     "local.csv": export.PLANE_LOCAL,
     "stress.csv": export.STRESS,
     "edge_stress.csv": export.EDGE_STRESS,
-    "edge_histories.csv": stress_histories.COLUMNS,
+    "edge_histories.csv": stress_histories.HISTORY_COLUMNS,
 }
 HISTORIES = {Contact: histories(Contact), Station: histories(StationHistory)}
 WORDS = Units(length="length", force="force", stress="stress", time="time")

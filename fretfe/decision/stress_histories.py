@@ -24,15 +24,15 @@ from fretfe.results.model import Result
 from fretfe.results.quantities import CONTACT, EDGE, Column
 
 FILE = "edge_histories"
-COMPONENTS = ("S11", "S22", "S33", "S12", "S13", "S23")
-COLUMNS = (
+TENSOR_NAMES = ("S11", "S22", "S33", "S12", "S13", "S23")
+HISTORY_COLUMNS = (
     CONTACT,
     EDGE,
     Column("body", "", "name of the body"),
     Column("angle", "angle", "of the ray from the inward normal, positive under the contact"),
     Column("distance", "length", "along the ray, from the outermost place of the edge"),
     *STATE,
-    *(Column(name, "stress", "component of the stress there") for name in COMPONENTS),
+    *(Column(name, "stress", "component of the stress there") for name in TENSOR_NAMES),
 )
 
 
@@ -45,7 +45,7 @@ class EdgeHistory:
         angles, distances: (M,) of the places, in degrees and units of length.
         states: (n,) their numbers.
         times: (n,).
-        stress: (n, M, 6) `COMPONENTS`.
+        stress: (n, M, 6) `TENSOR_NAMES`.
         reason: why there is none; empty if all places are known.
     """
 
@@ -118,7 +118,9 @@ def history_table(result: Result, histories: Sequence[EdgeHistory]) -> ExportTab
         for place, (angle, distance) in enumerate(zip(each.angles, each.distances, strict=True))
         for state, time, stress in zip(each.states, each.times, each.stress[:, place], strict=True)
     )
-    return ExportTable(f"{FILE}.csv", headings(COLUMNS, result.case.units, solid=False), rows)
+    return ExportTable(
+        f"{FILE}.csv", headings(HISTORY_COLUMNS, result.case.units, solid=False), rows
+    )
 
 
 def write_histories(result: Result, histories: Sequence[EdgeHistory], folder: Path) -> Path:
@@ -133,7 +135,7 @@ def write_histories(result: Result, histories: Sequence[EdgeHistory], folder: Pa
         file.attrs.update({
             "length": result.case.units.length,
             "stress": result.case.units.stress,
-            "components": list(COMPONENTS),
+            "components": list(TENSOR_NAMES),
         })  # fmt: skip
         for number, each in enumerate(histories):
             group = file.create_group(f"edge_{number}")

@@ -13,7 +13,7 @@ from cases.stored_runs import solved, write_run
 from typer.testing import CliRunner
 
 from fretfe.cli.app import app
-from fretfe.decision.stress_histories import COMPONENTS, edge_histories
+from fretfe.decision.stress_histories import TENSOR_NAMES, edge_histories
 from fretfe.errors import CaseError
 
 
@@ -53,11 +53,11 @@ def test_csv_and_hdf5_agree(tmp_path: Path) -> None:
     }
     with h5py.File(out / "edge_histories.h5") as file:
         assert (file.attrs["schema"], file.attrs["stress"]) == ("fretfe-edge-histories", "MPa")
-        assert list(file.attrs["components"]) == list(COMPONENTS)
+        assert list(file.attrs["components"]) == list(TENSOR_NAMES)
         for group in file.values():
             rows = table[(table.edge == group.attrs["edge"]) & (table.body == group.attrs["body"])]
             assert group["distances"][:].tolist() == [0.1] and group["angles"][:].tolist() == [20]
-            assert group["stress"][:, 0] == pytest.approx(rows[list(COMPONENTS)].to_numpy())
+            assert group["stress"][:, 0] == pytest.approx(rows[list(TENSOR_NAMES)].to_numpy())
             assert group["times"][:] == pytest.approx(rows.time.to_numpy())
     listed = pd.read_csv(out / "columns.csv")
     assert "S12" in set(listed[listed.file == "edge_histories.csv"].column)
