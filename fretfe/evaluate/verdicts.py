@@ -8,6 +8,7 @@ from dataclasses import asdict, dataclass
 
 import numpy as np
 
+from fretfe.caution import EDGES
 from fretfe.evaluate.contacts import LARGEST_SPREAD, LARGEST_TURNING, SlipZone, Station
 from fretfe.faults import guarded
 from fretfe.report.texts import rounded
@@ -39,7 +40,7 @@ PARTS = {
     "extraction": "the radii of the integral disagree",
     "discretisation": "the front is somewhere within an element, or elements along it are long",
     "layer": "the layer gives over a length E*/k that is not short against the half-width",
-    "steps": "K_T and K_S may go farther between the steps: take more steps per cycle",
+    "steps": "the shear may go farther between the steps: take more steps per cycle",
 }
 
 
@@ -73,8 +74,14 @@ def withheld(station: Station) -> str:
     if station.lack.whole:
         return station.lack.text
     if station.lack.text and math.isnan(station.decisive_k_n[0]) and math.isnan(station.k_range):
-        return f"K_N and the range of K_T and K_S are not known, since {station.lack.text}"
+        return f"K_N and the range of {_shear(station)} are not known, since {station.lack.text}"
     return "; ".join(filter(None, (_no_k_n(station), no_range(station))))
+
+
+def _shear(station: Station) -> str:
+    """Names of the factors of shear: K_T alone at plane edges whose bodies stay in the plane."""
+    plane = station.front in EDGES and not np.nan_to_num(station.k_s).any()
+    return "K_T" if plane else "K_T and K_S"
 
 
 def _no_k_n(station: Station) -> str:
@@ -98,27 +105,29 @@ def no_range(station: Station) -> str:
     if math.isfinite(station.reported_range):
         return ""
     if math.isnan(station.k_range) and station.lack.text:
-        return f"there is no range of K_T and K_S, since {station.lack.text}"
+        return f"there is no range of {_shear(station)}, since {station.lack.text}"
     if math.isnan(station.k_range):
         known = np.isfinite(station.k_t + station.k_s)[: station.last + 1 or None]
         unknown = np.flatnonzero(~known)
         if not len(unknown):
-            return "there is no evaluated cycle, and no range of K_T and K_S"
+            return f"there is no evaluated cycle, and no range of {_shear(station)}"
         return (
-            f"K_T and K_S are not known in {len(unknown)} of {len(known)} states, last in state "
+            f"{_shear(station)} unknown in {len(unknown)} of {len(known)} states, last in state "
             f"{unknown[-1]}: the front cannot be found there, or moves to where nothing was "
             "integrated"
         )
     parts = asdict(station.k_range_parts)
     if not math.isfinite(station.k_range_spread):
         lost = " and ".join(name for name, part in parts.items() if not math.isfinite(part))
-        return f"the range of K_T and K_S has no error bar ({lost or 'nothing to compare with'})"
+        lost = lost or "nothing to compare with"
+        return f"the range of {_shear(station)} has no error bar ({lost})"
     # A layer that matters disturbs the other parts, too.
     by_layer = station.k_range_parts.layer > 0.1 * station.k_range
     largest = "layer" if by_layer else max(parts, key=lambda name: parts[name])
     return (
-        f"the range of K_T and K_S is {_with_bar(station.k_range, station.k_range_spread)}, an "
-        f"error bar of more than half of it: {PARTS.get(largest, largest)}"
+        f"the range of {_shear(station)} is "
+        f"{_with_bar(station.k_range, station.k_range_spread)}, an error bar of more than "
+        f"half of it: {PARTS.get(largest, largest)}"
     )
 
 

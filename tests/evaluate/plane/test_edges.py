@@ -118,4 +118,4 @@ def test_a_range_has_no_bar_where_k_n_is_not_known() -> None:
         assert np.isfinite(station.decisive_k_n[0]) and np.isnan(station.reported_k_n)
         assert np.isfinite(station.k_range) and np.isnan(station.reported_range)
         assert station.k_range_parts.total == station.k_range_spread == np.inf
-        assert "the range of K_T and K_S has no error bar (discretisation)" in withheld(station)
+        assert "the range of K_T has no error bar (discretisation)" in withheld(station)
