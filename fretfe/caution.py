@@ -353,11 +353,13 @@ class Caution:
         kind: of caution.
         subject: what it is about.
         text: what was found, with its numbers: a part of a sentence without subject and remedy.
+        partly: true if the number in question is there, if badly known.
     """
 
     kind: Kind
     subject: Subject
     text: str
+    partly: bool = False
 
     @property
     def sentence(self) -> str:
@@ -393,12 +395,18 @@ class Group:
 
     @property
     def line(self) -> str:
-        """All of it in one line, without what was found at places beyond the first ones."""
-        texts = [_joined(where, text) for where, text in self.findings[:SHOWN]]
-        shown = {text for _, text in self.findings[:SHOWN]}
-        left = [each.subject for each in self.cautions if each.text not in shown]
-        if left:
-            texts.append(f"likewise at {places(left)}")
+        """All of it in one line, without what was found at places beyond the first ones.
+
+        What is known badly and what is unknown stand by themselves.
+        """
+        texts = []
+        for partly in dict.fromkeys(each.partly for each in self.cautions):
+            alike = Group(self.kind, tuple(c for c in self.cautions if c.partly is partly))
+            texts += [_joined(where, text) for where, text in alike.findings[:SHOWN]]
+            shown = {text for _, text in alike.findings[:SHOWN]}
+            left = [each.subject for each in alike.cautions if each.text not in shown]
+            if left:
+                texts.append(f"likewise at {places(left)}")
         return _joined("; ".join(texts), self.kind.remedy)
 
 

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, replace
 
 from fretfe.caution import Caution, Kind, Subject, grouped
 from fretfe.results.reader import restored
@@ -27,6 +27,16 @@ def test_twelve_edges_are_one_line() -> None:
         "mesh there"
     )
     assert len(group.findings) == 12
+
+
+def test_edges_without_a_number_are_not_likened_to_those_with_one() -> None:
+    unknown = [uncertain(f"f{n}", "left", f"K_N is unknown by {n}") for n in range(3)]
+    known = [replace(uncertain("g", "left", "K_N is known to 38 % only"), partly=True)]
+    (group,) = grouped([*unknown, *known])
+    assert group.line == (
+        "f0, left edge: K_N is unknown by 0; f1, left edge: K_N is unknown by 1; likewise at f2, "
+        "left edge; g, left edge: K_N is known to 38 % only: refine the mesh there"
+    )
 
 
 def test_mirrored_edges_with_the_same_finding_are_named_together() -> None:

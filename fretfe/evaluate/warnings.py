@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,9 @@ def plane_warnings(
     unknown = Kind.K_N_LINEAR if solution.degree == 1 else Kind.K_N_UNCERTAIN
     unknown = Kind.LAYER if contact.surface.layer is not None else unknown
     for station in stations:
-        yield from about(name, station.front, _uncertain(station, unknown))
+        partly = math.isfinite(station.reported_k_n)
+        for each in about(name, station.front, _uncertain(station, unknown)):
+            yield replace(each, partly=partly and each.kind is unknown)
     for station in stations:
         ends = np.column_stack([contact.surface.arc[:-1], contact.surface.arc[1:]])
         s = station.inward * (ends - station.position[station.last])

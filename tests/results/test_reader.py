@@ -106,7 +106,7 @@ def test_an_old_folder_names_the_version_that_reads_it(tmp_path: Path, folder: P
 def test_warnings_keep_kind_and_subject(tmp_path: Path, folder: Path) -> None:
     numbers = copied(folder, tmp_path)
     subject = {"contact": "main", "front": "left"}
-    told = {"kind": "K_N uncertain", "subject": subject, "text": "K_N is 1 ± .1"}
+    told = {"kind": "K_N uncertain", "subject": subject, "text": "K_N is 1 ± .1", "partly": False}
     numbers["contacts"]["main"]["warnings"] = [told]
     written(tmp_path, numbers)
     (found,) = load_result(tmp_path).warnings
