@@ -20,6 +20,7 @@ DOCS = ROOT / "docs"
 COARSER = {
     "size = 0.005 }": "size = 0.05 }",
     "size = 0.01 }": "size = 0.05 }",
+    "size = 0.02 }": "size = 0.06 }",
     "size = 0.12 }": "size = 0.15, growth = 0.6 }",
     "edge_size = 0.002 }": "edge_size = 0.05, flank_size = 0.4 }",
     "edge_size = 0.004 }": "edge_size = 0.05, flank_size = 0.4 }",
