@@ -29,7 +29,7 @@ from fretfe.decision.endurance import (
 )
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.material import FatigueData, fatigue_data
-from fretfe.decision.short_cracks import Arrest, CrackDrive, crack_drive, judge_arrest
+from fretfe.decision.short_cracks import SHORTEST, Arrest, crack_drive, judge_arrest
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
@@ -94,7 +94,8 @@ class EdgeAssessment:
         friction: coefficient of the contact; NaN if it varies.
         judgements: one for each criterion, in the order of `Criterion`.
         arrest: of cracks; None where it is not known.
-        life: cycles of a crack between the lengths of the material file; NaN where unknown.
+        life: cycles of the deepest crack between the lengths of the material file; NaN where
+            unknown.
         bar: relative error of stresses by the bars of K_N and ΔK_T; NaN where one is unknown.
         spread: error of the stress beside that of the tractions [stress].
     """
@@ -329,32 +330,29 @@ def _by_tests(margin: Margin | None, *, given: bool) -> Judgement:
 
 
 def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
-    """Arrest of cracks, and the life between two lengths at the worst angle."""
+    """Arrest of cracks, and the life of the deepest one between two lengths."""
     if data.threshold is None or data.limit is None:
         return "fatigue.threshold and fatigue.limit are not both given", math.nan
-    # The threshold of a tenth of a0 is 5 % below that of the limit; shorter cracks depend on the
-    # elements.
-    shortest = 0.1 * short_length(data.threshold, data.limit)
-    if max(field.size, shortest) >= field.reach(0.0):
+    shortest = max(SHORTEST * short_length(data.threshold, data.limit), field.finest)
+    if shortest >= field.reach(0.0):
         return (
             f"the stress is known down to {field.reach(0.0):.3g}, less than the shortest cracks of "
-            f"interest have: {max(field.size, shortest):.3g}"
+            f"interest have: {shortest:.3g}"
         ), math.nan
     drive = crack_drive(field, shortest)
     found = judge_arrest(drive, data.threshold, data.limit)
     if isinstance(found, str) or data.growth is None or data.lengths is None:
         return found, math.nan
-    return found, _life(drive, found, data)
+    return found, _life(found, data)
 
 
-def _life(drive: CrackDrive, arrest: Arrest, data: FatigueData) -> float:
+def _life(arrest: Arrest, data: FatigueData) -> float:
     """Cycles between the lengths of the material file; infinite if the crack stops before."""
     assert data.growth is not None and data.lengths is not None
-    if arrest.length < data.lengths[1]:
+    crack = arrest.deepest
+    if crack.stop < data.lengths[1]:
         return math.inf
-    ranges = drive.ranges[int(np.argmin(np.abs(drive.angles - arrest.angle)))]
-    known = np.isfinite(ranges)
-    return growth_life(drive.lengths[known], ranges[known], data.growth, *data.lengths)
+    return growth_life(crack.lengths, crack.ranges, data.growth, *data.lengths)
 
 
 def _by_arrest(arrest: Arrest | str, bars: _Bars) -> Judgement:

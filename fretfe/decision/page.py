@@ -18,7 +18,7 @@ from fretfe.decision.assess import (
     assessment_numbers,
 )
 from fretfe.decision.short_cracks import Arrest
-from fretfe.decision.texts import answer, details, known_criteria, margin_table
+from fretfe.decision.texts import answer, details, governing_table, known_criteria, margin_table
 from fretfe.files import replace_text, writing
 from fretfe.report.page.html import render_page
 from fretfe.report.texts import rounded
@@ -66,7 +66,7 @@ def _page(found: Assessment) -> str:
         material=str(found.material),
         source=found.source,
         sentences=list(answer(found)),
-        margins=margin_table(found),
+        margins=[governing_table(found), margin_table(found)],
         plots=plots,
         details=list(details(found)),
     )
@@ -126,17 +126,19 @@ def _bar(axes: Axes, row: int, judgement: Judgement) -> None:
 
 
 def _crack_plot(found: Assessment, edge: EdgeAssessment, arrest: Arrest) -> Plot:
-    """ΔK of cracks at the worst angle over their length, with its threshold."""
-    units = found.units
+    """ΔK of the cracks that stop last and that set the margin, with their thresholds."""
+    units, deepest, critical = found.units, arrest.deepest, arrest.critical
+    shown = [deepest] if critical.angle == deepest.angle else [deepest, critical]
 
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
-        axes.plot(arrest.lengths, arrest.ranges, color=BLUE, label="ΔK of the crack")
-        axes.plot(arrest.lengths, arrest.threshold, color=VERMILLION, ls="--", label="threshold")
-        if 0 < arrest.length < math.inf:
-            axes.axvline(arrest.length, color=GREY, lw=0.8, ls=":", label="stops")
-        axes.set_xlim(arrest.lengths[0], arrest.lengths[-1])
-        values = [x for x in (*arrest.ranges, *arrest.threshold) if x > 0]
+        for crack, color in zip(shown, (BLUE, ORANGE), strict=False):
+            axes.plot(crack.lengths, crack.ranges, color=color, label=f"ΔK at {crack.angle:g}°")
+            axes.plot(crack.lengths, crack.threshold, color=color, ls="--", label="threshold")
+        if 0 < deepest.stop < math.inf:
+            axes.axvline(deepest.stop, color=GREY, lw=0.8, ls=":", label="stops")
+        axes.set_xlim(deepest.lengths[0], max(each.lengths[-1] for each in shown))
+        values = [x for each in shown for x in (*each.ranges, *each.threshold) if x > 0]
         axes.set_ylim(max(0.8 * min(values), 1e-3 * max(values)), 1.2 * max(values))
         log_axis(axes, "x")
         log_axis(axes, "y")
@@ -146,11 +148,17 @@ def _crack_plot(found: Assessment, edge: EdgeAssessment, arrest: Arrest) -> Plot
         legend_above(axes, 3)
 
     ends = "a crack grows where ΔK is above the threshold, and stops where it is below"
+    angles = (
+        f"At {deepest.angle:g}°, where cracks stop last, and {critical.angle:g}°, where they are "
+        "the first to grow through as the stress rises"
+        if len(shown) > 1
+        else f"At {deepest.angle:g}°, the angle least likely to stop them"
+    )
     return make_plot(
         "cracks",
         f"Cracks at {_name(edge)}",
-        f"At {arrest.angle:g}°, the angle least likely to stop them: {ends}. The threshold falls "
-        f"for cracks that are not long against a0 = {rounded(arrest.a0)} {units.length}.",
+        f"{angles}: {ends}. The threshold falls for cracks that are not long against a0 = "
+        f"{rounded(arrest.a0)} {units.length}.",
         SINGLE,
         draw,
     )

@@ -27,6 +27,8 @@ from fretfe.decision.thresholds import (
 
 # Degrees from the inward normal.
 CRACK_ANGLES = np.arange(-60.0, 61.0, 10.0)
+# Length over a0 of the cracks that start: their threshold is 5 % below that of the limit.
+SHORTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -49,19 +51,17 @@ class CrackDrive:
     ratios: Array
 
 
-def crack_drive(
-    field: EdgeField, shortest: float = 0.0, angles: Array = CRACK_ANGLES
-) -> CrackDrive:
-    """The drive of cracks from the mouth of a field, from an element to all that is known.
+def crack_drive(field: EdgeField, shortest: float, angles: Array = CRACK_ANGLES) -> CrackDrive:
+    """The drive of cracks from the mouth of a field, of all lengths that are known.
 
     Args:
         field: without cracks.
-        shortest: length, if that is longer than an element.
+        shortest: length.
         angles: (A,) in degrees, up to 80.
     """
     turns = np.radians(angles)
     reaches = [field.reach(float(each)) for each in turns]
-    lengths = np.geomspace(max(field.size, shortest), max(reaches), 40)
+    lengths = np.geomspace(shortest, max(reaches), 40)
     factors = np.full((2, len(field.states), len(angles), len(lengths)), np.nan)
     for place, (turn, reach) in enumerate(zip(turns, reaches, strict=True)):
         inside = lengths <= reach * (1 + 1e-9)
@@ -87,36 +87,52 @@ def _factors(field: EdgeField, turn: float, lengths: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Arrest:
-    """Cracks at the angle at which they are least likely to stop.
+class Crack:
+    """A crack at one angle.
 
     Attributes:
         angle: from the inward normal, positive under the contact [degrees].
-        length: at which a crack stops: 0 if none starts, infinite if it grows through all lengths.
-        longest: of the lengths at this angle.
-        margin: factor of all stresses up to which cracks stop within these lengths; infinite where
-            the stress of any factor closes them.
-        start: factor up to which no crack of the shortest length grows at any angle.
-        place: length at which the drive is least against its threshold.
-        a0: of short cracks.
-        lengths, ranges, threshold: (C,) of cracks at this angle, their ΔK and ΔK_th, as far as
-            known.
+        stop: length at which it stops: 0 if the shortest one does not grow, infinite if it grows
+            through all lengths.
+        lengths, ranges, threshold: (C,) its lengths, ΔK and ΔK_th, as far as known.
     """
 
     angle: float
-    length: float
-    longest: float
-    margin: float
-    start: float
-    place: float
-    a0: float
+    stop: float
     lengths: Array
     ranges: Array
     threshold: Array
 
+    @property
+    def relative(self) -> Array:
+        """(C,) ΔK over ΔK_th."""
+        return self.ranges / self.threshold
+
+
+@dataclass(frozen=True)
+class Arrest:
+    """Growth and arrest of the cracks of an edge at all angles.
+
+    Attributes:
+        deepest: the one that stops last, or is farthest from stopping.
+        critical: the one that sets the margin. As the stress rises, cracks at other angles may stop
+            deeper, but this one is the first that grows through.
+        margin: factor of all stresses up to which cracks stop within the lengths; infinite where
+            the stress of any factor closes them.
+        start: factor up to which no crack of a tenth of a0 grows at any angle; NaN where the
+            shortest cracks that are looked at are longer.
+        a0: of short cracks.
+    """
+
+    deepest: Crack
+    critical: Crack
+    margin: float
+    start: float
+    a0: float
+
 
 def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -> Arrest | str:
-    """Growth or arrest of cracks at the worst angle, or the reason why it is not known.
+    """Growth or arrest of cracks at all angles, or the reason why it is not known.
 
     Args:
         drive: of cracks at all angles.
@@ -131,29 +147,21 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
     if (lost := known & ~np.isfinite(long)).any():
         return f"the threshold is not known at R = {drive.ratios[lost].max():.2g} of a crack"
     short = short_threshold(drive.lengths, long, a0)
-    relative = drive.ranges / short
-    worst, least, stop = max(
-        (_least(drive, relative, int(each)) for each in np.flatnonzero(known.any(axis=1))),
-        key=lambda each: each[1:],
-    )
-    own, first = known[worst], float(np.nanmax(relative[:, 0]))
-    lengths = drive.lengths[own]
+    cracks = [
+        Crack(angle, arrest_length(drive.lengths[own], ranges[own] / least[own]),
+              drive.lengths[own], ranges[own], least[own])
+        for angle, own, ranges, least in zip(
+            map(float, drive.angles), known, drive.ranges, short, strict=True
+        ) if own.any()
+    ]  # fmt: skip
+    critical = max(cracks, key=lambda each: (each.relative.min(), each.stop))
+    least = float(critical.relative.min())
+    first = max(float(each.relative[0]) for each in cracks)
+    start = 1 / first if first > 0 else math.inf
     return Arrest(
-        angle=float(drive.angles[worst]),
-        length=stop,
-        longest=float(lengths[-1]),
+        deepest=max(cracks, key=lambda each: (each.stop, each.relative.min())),
+        critical=critical,
         margin=1 / least if least > 0 else math.inf,
-        start=1 / first if first > 0 else math.inf,
-        place=float(lengths[int(np.argmin(relative[worst, own]))]),
+        start=start if drive.lengths[0] <= SHORTEST * a0 * (1 + 1e-9) else math.nan,
         a0=a0,
-        lengths=lengths,
-        ranges=drive.ranges[worst, own],
-        threshold=short[worst, own],
     )
-
-
-def _least(drive: CrackDrive, relative: Array, place: int) -> tuple[int, float, float]:
-    """Number of an angle, the least drive there over its threshold, and where a crack stops."""
-    known = np.isfinite(relative[place])
-    own = relative[place, known]
-    return place, float(own.min()), arrest_length(drive.lengths[known], own)

@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement
+from fretfe.decision.short_cracks import SHORTEST
 from fretfe.report.texts import MISSING, number, percent, plain_table, rounded
 
 if TYPE_CHECKING:
@@ -24,22 +25,53 @@ def margin_table(found: Assessment) -> Table:
     from rich.markup import escape
 
     shown = known_criteria(found)
-    title = escape(f"Margins of {found.result} by {found.material.name}")
-    headers = ("edge", "body", *(each.value for each in shown), "governs")
-    table = plain_table(title, headers, text=2)
+    headers = ("edge", "body", *(each.value.replace(" ", "\n") for each in shown))
+    table = plain_table("All margins (>: infinite, but for error bars)", headers, text=2)
+    table.padding = 0  # All criteria in 80 characters.
     for edge in found.edges:
-        governing = edge.governing
         table.add_row(
             escape(f"{edge.contact} {edge.edge}"),
             escape(edge.body),
-            *(_margin(edge.of(each)) for each in shown),
-            MISSING if governing is None else governing.criterion.value,
+            *(_least(edge.of(each)) for each in shown),
+        )
+    return table
+
+
+def governing_table(found: Assessment) -> Table:
+    """The smallest margin of each edge with its interval."""
+    from rich.markup import escape
+
+    table = plain_table("Smallest margins", ("edge", "body", "governs", "margin", "interval"), 3)
+    for edge in found.edges:
+        least = edge.governing
+        table.add_row(
+            escape(f"{edge.contact} {edge.edge}"),
+            escape(edge.body),
+            *(
+                [MISSING] * 3
+                if least is None
+                else [least.criterion.value, _margin(least), _interval(least) or MISSING]
+            ),
         )
     return table
 
 
 def _margin(judgement: Judgement) -> str:
     return MISSING if judgement.reason else _factor(judgement.margin)
+
+
+def _least(judgement: Judgement) -> str:
+    """The margin; of an infinite one the low end of its interval, if that is finite."""
+    if math.isinf(judgement.margin) and math.isfinite(judgement.low):
+        return f"> {rounded(judgement.low)}"
+    return _margin(judgement)
+
+
+def _interval(judgement: Judgement) -> str:
+    """Its two ends; empty where they are unknown."""
+    if math.isnan(judgement.low):
+        return ""
+    return f"{_factor(judgement.low)} to {_factor(judgement.high)}"
 
 
 def _factor(value: float) -> str:
@@ -52,9 +84,8 @@ def answer(found: Assessment) -> Iterator[str]:
         yield "No margin of any edge is known; the reasons stand below"
         return
     edge, judgement = found.worst
-    sure = "" if math.isnan(judgement.low) else (
-        f" ({_factor(judgement.low)} to {_factor(judgement.high)})"
-    )  # fmt: skip
+    interval = _interval(judgement)
+    sure = f" ({interval})" if interval else ""
     yield (
         f"Worst is body {edge.body} at the {edge.edge} edge of {edge.contact}"
         f"{_place(judgement.place, found.units.length)}: "
@@ -134,7 +165,7 @@ def _wanted(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
         coarse.append("cracks shorter than an element are left out")
     if coarse:
         yield f"refine at this edge: {', and '.join(coarse)}"
-    if edge.arrest is not None and math.isinf(edge.arrest.length):
+    if edge.arrest is not None and math.isinf(edge.arrest.deepest.stop):
         yield "stress at larger depths: cracks may stop there"
     if edge.of(Criterion.TESTS).reason:
         yield "fretting tests at such K_N and ΔK_T"
@@ -175,17 +206,21 @@ def _cracks(edge: EdgeAssessment, unit: str) -> Iterator[str]:
     arrest = edge.arrest
     if arrest is None:
         return
-    if arrest.length == 0:
-        closed = math.isinf(arrest.start)
-        up_to = f", up to {_factor(arrest.start)} times the stress"
-        yield f"no crack starts{': its faces stay closed' if closed else up_to}"
-    elif math.isinf(arrest.length):
+    crack = arrest.deepest
+    at, shortest = f"{crack.angle:g}°", f"{rounded(crack.lengths[0])} {unit}"
+    if math.isinf(crack.stop):
         yield (
-            f"a crack at {arrest.angle:g}° grows through {rounded(arrest.longest)} {unit}, as far "
-            "as the stress is known"
+            f"a crack at {at} grows through {rounded(crack.lengths[-1])} {unit}, as far as the "
+            "stress is known"
         )
+    elif crack.stop > 0:
+        yield f"cracks start and stop, the last one at {at} after {rounded(crack.stop)} {unit}"
+    elif math.isnan(arrest.start):
+        yield f"cracks stop before {shortest}, if they start"
+    elif math.isinf(arrest.start):
+        yield f"no crack of {shortest} grows: its faces stay closed"
     else:
-        yield f"cracks start and stop, at {arrest.angle:g}° after {rounded(arrest.length)} {unit}"
+        yield f"no crack of {shortest} grows, up to {_factor(arrest.start)} times the stress"
     if math.isfinite(edge.life):
         yield f"{number(edge.life, 2)} cycles between the lengths of fatigue.growth"
 
@@ -198,12 +233,12 @@ def _uncertain(edge: EdgeAssessment) -> bool:
 def _short_elements(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
     """Lengths of cracks that are left out because elements are larger."""
     arrest = edge.arrest
-    if arrest is not None and arrest.lengths[0] > 0.101 * arrest.a0:
-        unit = found.units.length
+    if arrest is not None and math.isnan(arrest.start):
+        unit, shortest = found.units.length, arrest.deepest.lengths[0]
         yield (
-            f"cracks are judged from the length of an element on, {rounded(arrest.lengths[0])} "
-            f"{unit}; elements of a0/10 = {rounded(0.1 * arrest.a0)} {unit} would show whether "
-            "shorter ones start"
+            f"cracks are judged from the length of an element on, {rounded(shortest)} {unit}; it "
+            f"is unknown whether those of a0/10 = {rounded(SHORTEST * arrest.a0)} {unit} grow: "
+            "slip zones have too few elements"
         )
 
 

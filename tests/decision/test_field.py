@@ -17,6 +17,7 @@ from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
+from fretfe.decision import field as module
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.evaluate.stress import BodyStress, StressHistory
 from fretfe.results.model import Result
@@ -183,3 +184,25 @@ def test_few_depths_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     result, _ = smooth_case(monkeypatch, np.array([0.0, 0.0002, 0.05]))
     contact = result.contacts[0]
     assert "depths of 2 elements" in str(edge_field(result, contact, contact.stations[0], 1))
+
+
+@pytest.mark.parametrize(("elements", "error"), [(2.6, 0.02), (1.4, 0.5)])
+def test_few_elements_in_a_slip_zone_lose_the_stress_next_to_the_edge(
+    elements: float, error: float
+) -> None:
+    """Of nodal tractions that are exact: the tension at the edge, and a tenth of an element in."""
+    result = solved("halfplane")
+    contact, size = result.contacts[0], (A - C) / elements
+    arc = np.arange(-A - 5.3 * size, A + 5 * size, size)
+    p, core = (P0 * np.sqrt(np.maximum(1 - (arc / each) ** 2, 0)) for each in (A, C))
+    traction = np.stack([p, 0.4 * (p - C / A * core)], axis=1)[None]
+    ends = np.array([[-A], [A]])
+    nodes = module._divided(arc, ends, -A)
+    pressure, shear = module._on_nodes(nodes, arc, traction, ends)
+    points = np.array([[0.0, 0.0], [0.0, -0.1 * size]])
+    found = module.NearField(nodes + A, pressure, shear, 0.3).at(points)[0, :, 0]
+    known = exact(field_of(result, 0, 1), points)[:, 0]
+    missed = np.abs(found / known - 1).max()
+    assert error / 4 < missed < error
+    finest = module._finest(contact.stations[0], 0.0718 / elements)
+    assert (finest > 0) == (missed > 0.02)

@@ -13,6 +13,7 @@ import tomli_w
 from fretfe.case import Body, Units
 from fretfe.case.materials import material_directory, material_names, read_material
 from fretfe.decision.material import fatigue_data
+from fretfe.decision.thresholds import critical_length
 from fretfe.errors import CaseError
 
 LIMIT = {"range": 496.0, "ratio": -1.0}
@@ -50,6 +51,16 @@ def test_numbers_are_in_the_units_of_the_results(tmp_path: Path) -> None:
     same = fatigue_data(path, Units(length="m", stress="Pa", force="N"))
     assert same.threshold is not None
     assert same.threshold.at(np.array([0.0])) == pytest.approx(4.2e6)
+
+
+def test_the_file_of_the_documents(tmp_path: Path) -> None:
+    """It is whole, and L has the value that stands there."""
+    page = (Path(__file__).parents[2] / "docs" / "strength.md").read_text("utf-8")
+    path = tmp_path / "alloy.toml"
+    path.write_text(page.split("```toml\n")[1].split("```")[0], "utf-8")
+    data = fatigue_data(path, Units())
+    assert data.limit is not None and data.threshold is not None and data.growth is not None
+    assert f"L = {critical_length(data.threshold, data.limit):.3g} mm" in page
 
 
 def test_tables_and_what_is_left_out(tmp_path: Path) -> None:

@@ -7,20 +7,25 @@ import json
 import math
 import re
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 
 import pytest
 from cases.stored_runs import CYCLE, solved, write_run
 from decision.test_material import FATIGUE, write
+from rich.console import Console
+from rich.measure import Measurement
 
 from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND
 from fretfe.case import parse_case
+from fretfe.decision import field
 from fretfe.decision.assess import Assessment, Criterion, Judgement, assess
 from fretfe.decision.page import write_assessment
-from fretfe.decision.texts import answer, details
+from fretfe.decision.texts import answer, details, governing_table, margin_table
 from fretfe.errors import CaseError
 from fretfe.loads import build_history
+from fretfe.report.texts import rounded
 from fretfe.results.model import Result
 
 
@@ -78,15 +83,56 @@ def test_edges_that_are_not_judged_are_said_first(known: Assessment, tmp_path: P
     assert not mixed.keeps(0)
 
 
-def test_elements_larger_than_short_cracks_are_said(known: Assessment, tmp_path: Path) -> None:
+def test_short_cracks_that_elements_do_not_resolve_are_said(
+    known: Assessment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(field, "ELEMENTS", 1e9)
     short = write(tmp_path, threshold={**FATIGUE["threshold"], "range": 1.0})
     found = assess(solved("halfplane"), short)
     for edge in found.edges:
-        assert edge.arrest is not None
-        assert edge.arrest.lengths[0] > 0.1 * edge.arrest.a0
+        assert edge.arrest is not None and math.isnan(edge.arrest.start)
+        assert edge.arrest.deepest.lengths[0] > 0.1 * edge.arrest.a0
     assert any("from the length of an element on" in text for text in details(found))
     assert any("cracks shorter than an element are left out" in text for text in answer(found))
     assert not any("length of an element" in text for text in details(known))
+
+
+def test_tables_fit_a_terminal_whatever_names_are(known: Assessment) -> None:
+    """All criteria side by side; an infinite margin has the low end of its interval."""
+    edges = tuple(
+        replace(each, judgements=(Judgement(Criterion.TESTS, math.inf, 11.85, math.inf),
+                                  *each.judgements[1:]))
+        for each in known.edges
+    )  # fmt: skip
+    named = replace(known, edges=edges, result="a" * 100, material=Path("b" * 100))
+    texts = []
+    for table in (governing_table(named), margin_table(named)):
+        text = StringIO()
+        console = Console(file=text, width=80)
+        wide = console.options.update(max_width=500)
+        assert Measurement.get(console, wide, table).maximum <= 80
+        console.print(table)
+        texts.append(text.getvalue())
+    assert texts[1].count("> 11.8") == len(edges)
+    assert known.worst is not None
+    low, high = (rounded(each) for each in (known.worst[1].low, known.worst[1].high))
+    assert f"{low} to {high}" in texts[0] and known.worst[1].criterion.value in texts[0]
+
+
+def test_the_cracks_of_arrest_and_margin_are_both_shown(known: Assessment, tmp_path: Path) -> None:
+    assert known.worst is not None
+    edge = known.worst[0]
+    assert edge.arrest is not None
+    critical = replace(edge.arrest.deepest, angle=-50.0)
+    deepest = replace(edge.arrest.deepest, angle=10.0, stop=0.03)
+    both = replace(edge, arrest=replace(edge.arrest, deepest=deepest, critical=critical))
+    found = replace(known, edges=(both,))
+    html = write_assessment(found, tmp_path / "out")[0].read_text("utf-8")
+    assert "At 10°, where cracks stop last, and -50°" in html
+    assert "the last one at 10° after 0.03 mm" in html
+    numbers = json.loads((tmp_path / "out" / "assessment.json").read_text("utf-8"))
+    arrest = numbers["edges"][0]["arrest"]
+    assert (arrest["deepest"]["angle"], arrest["critical"]["angle"]) == (10, -50)
 
 
 def test_the_page_and_the_numbers(known: Assessment, tmp_path: Path) -> None:
@@ -96,7 +142,7 @@ def test_the_page_and_the_numbers(known: Assessment, tmp_path: Path) -> None:
     (first, *_) = answer(found)
     assert re.findall(r'<p class="answer">([^<]*)\.</p>', html)[0] == first
     assert html.count("<svg") == 2 and "<b>" not in html
-    assert html.count("<tr>") == 1 + len(found.edges)
+    assert html.count("<tr>") == 2 * (1 + len(found.edges))
     assert json.loads(numbers.read_text("utf-8"))["units"] == {"length": "mm", "stress": "MPa"}
     again, _ = write_assessment(found, tmp_path / "out")
     assert again.read_text("utf-8") == html

@@ -12,15 +12,21 @@ from cases.stored_runs import solved
 
 from fretfe._typing import Array
 from fretfe.analytic.cracks import EdgeCracks
-from fretfe.analytic.partial_slip import PartialSlip, shear_moderate_tension
+from fretfe.analytic.partial_slip import (
+    PartialSlip,
+    elliptical_stress,
+    shear_moderate_tension,
+)
 from fretfe.analytic.profiles import Hertz
 from fretfe.decision.field import EdgeField, NearField, SmoothStress, edge_field
-from fretfe.decision.short_cracks import crack_drive, judge_arrest
+from fretfe.decision.short_cracks import CRACK_ANGLES, CrackDrive, crack_drive, judge_arrest
 from fretfe.decision.thresholds import FatigueLimit, Threshold, short_length
 
 # An aluminium alloy, for illustration: MPa √mm and MPa.
 THRESHOLD = Threshold(np.array([0.0]), np.array([4.2 * math.sqrt(1000)]), 0.5)
 LIMIT = FatigueLimit(248.0, 0.0)
+# A tenth of a0.
+SHORTEST = 0.1 * short_length(THRESHOLD, LIMIT)
 
 
 def field_of(edge: int, body: int) -> EdgeField:
@@ -46,7 +52,9 @@ def under_tension(tension: Array) -> EdgeField:
 
 
 def test_uniform_tension_at_any_angle() -> None:
-    drive = crack_drive(under_tension(np.array([0.0, 100.0])), angles=np.array([-45.0, 0.0, 45.0]))
+    drive = crack_drive(
+        under_tension(np.array([0.0, 100.0])), SHORTEST, np.array([-45.0, 0.0, 45.0])
+    )
     scale = 100 * np.sqrt(np.pi * drive.lengths)
     # Places at which the stress is known limit slanted cracks no less than straight ones.
     assert np.isfinite(drive.k_1[1]).all(axis=1).tolist() == [True, False, True]
@@ -60,7 +68,7 @@ def test_uniform_tension_at_any_angle() -> None:
 def test_a_crack_below_an_edge_by_points_of_its_own() -> None:
     """Interpolated along the ray as well as at the places of the quadrature themselves."""
     field = field_of(0, 1)
-    drive = crack_drive(field, angles=np.array([20.0]))
+    drive = crack_drive(field, SHORTEST, np.array([20.0]))
     cracks = EdgeCracks.of(np.radians([20.0]))
     lengths = drive.lengths[[3, 15, 30]]
     points = cracks.points(lengths)
@@ -77,7 +85,9 @@ def test_a_crack_below_an_edge_by_points_of_its_own() -> None:
 
 def test_the_four_edges_of_two_equal_bodies_are_one() -> None:
     """Half a cycle apart: the ranges of both bodies at both edges agree."""
-    ranges = [crack_drive(field_of(edge, body)).ranges for edge in (0, 1) for body in (0, 1)]
+    ranges = [
+        crack_drive(field_of(edge, body), SHORTEST).ranges for edge in (0, 1) for body in (0, 1)
+    ]
     for other in ranges[1:]:
         assert other == pytest.approx(ranges[0], rel=0.01, abs=0.5, nan_ok=True)
 
@@ -92,7 +102,7 @@ def pulled(tension: float) -> EdgeField:
 
 
 def test_the_margin_is_the_factor_that_makes_a_crack_grow_through() -> None:
-    drive = crack_drive(pulled(60.0))
+    drive = crack_drive(pulled(60.0), SHORTEST)
     found = judge_arrest(drive, THRESHOLD, LIMIT)
     assert not isinstance(found, str)
     assert found.a0 == pytest.approx(short_length(THRESHOLD, LIMIT))
@@ -105,32 +115,81 @@ def test_the_margin_is_the_factor_that_makes_a_crack_grow_through() -> None:
     ):
         scaled = judge_arrest(replace(drive, ranges=factor * drive.ranges), THRESHOLD, LIMIT)
         assert not isinstance(scaled, str)
-        assert scaled.angle == found.angle and scaled.longest == found.longest
+        assert scaled.critical.angle == found.critical.angle
         if factor < found.start:
-            assert scaled.length == 0
+            assert scaled.deepest.stop == 0
         elif factor < found.margin:
-            assert 0 <= scaled.length <= scaled.longest
+            assert 0 < scaled.deepest.stop <= scaled.deepest.lengths[-1]
         else:
-            assert scaled.length == math.inf
+            assert scaled.deepest.stop == math.inf
+            assert scaled.deepest.angle == found.critical.angle
+
+
+def test_a_straight_crack_stops_where_a_weight_function_has_it() -> None:
+    """Under the stress of McEwen and Cattaneo; Bueckner's (1970) function is right to 1 %."""
+    e_star = 210e3 / (2 * (1 - 0.3**2))
+    a = math.sqrt(4 * 600 * 50 / (math.pi * e_star))
+    p0, share = 2 * 600 / (math.pi * a), math.sqrt(1 - 60 / (0.4 * 600))
+    places, weights = np.polynomial.legendre.leggauss(100)
+    roots = (1 + places) / 2
+    kernel = (1 + 0.6147 * roots**2 + 0.2502 * roots**4) * weights
+
+    def relative(length: float) -> float:
+        depth = length * (1 - roots**2)
+        here = np.full_like(depth, -a)
+        pulled = elliptical_stress(here, depth, a, p0, 0.4 * p0)[:, 0]
+        pulled -= elliptical_stress(here, depth, share * a, 0.0, 0.4 * share * p0)[:, 0]
+        k = math.sqrt(2 * length / math.pi) * float(kernel @ pulled)
+        return k / (THRESHOLD.ranges[0] * math.sqrt(length / (length + 10 * SHORTEST)))
+
+    stops = []
+    for angles in (np.array([0.0]), CRACK_ANGLES):
+        drive = crack_drive(field_of(0, 1), SHORTEST, angles)
+        found = judge_arrest(replace(drive, ranges=2.5 * drive.ranges), THRESHOLD, LIMIT)
+        assert not isinstance(found, str)
+        stops.append(found.deepest.stop)
+    assert 2.5 * relative(stops[0]) == pytest.approx(1, abs=0.02)
+    assert stops[1] >= stops[0] > 0
+
+
+def test_the_deepest_crack_need_not_be_the_one_that_sets_the_margin() -> None:
+    """At one angle cracks start and stop, at another none starts, but pressure hardly closes it."""
+    lengths = SHORTEST * np.array([1.0, 10.0, 100.0])
+    long = THRESHOLD.ranges[0] * np.sqrt(lengths / (lengths + 10 * SHORTEST))
+    ranges = np.array([[1.5, 1.2, 0.2], [0.9, 0.9, 0.8]]) * long
+    none = np.zeros((2, 2, 3))
+    drive = CrackDrive(np.array([0.0, -50.0]), lengths, none, none, ranges, np.zeros((2, 3)))
+    found = judge_arrest(drive, THRESHOLD, LIMIT)
+    assert not isinstance(found, str)
+    assert found.deepest.angle == 0 and lengths[1] < found.deepest.stop < lengths[2]
+    assert found.critical.angle == -50 and found.critical.stop == 0
+    assert found.margin == pytest.approx(1 / 0.8) and found.start == pytest.approx(1 / 1.5)
+
+
+def test_longer_cracks_do_not_show_what_starts() -> None:
+    drive = crack_drive(field_of(0, 1), 2 * SHORTEST)
+    found = judge_arrest(drive, THRESHOLD, LIMIT)
+    assert not isinstance(found, str) and math.isnan(found.start)
 
 
 def test_the_contact_alone_stops_its_cracks() -> None:
     """What presses the bodies together closes long cracks, whatever the shear is."""
-    drive = crack_drive(field_of(0, 1))
+    drive = crack_drive(field_of(0, 1), SHORTEST)
     found = judge_arrest(replace(drive, ranges=3 * drive.ranges), THRESHOLD, LIMIT)
     assert not isinstance(found, str)
-    assert found.margin == math.inf and found.start < 1 and 0 < found.length < found.longest
+    assert found.margin == math.inf and found.start < 1
+    assert 0 < found.deepest.stop < found.deepest.lengths[-1]
 
 
 def test_no_crack_under_pressure() -> None:
-    drive = crack_drive(under_tension(np.array([-100.0, -20.0])))
+    drive = crack_drive(under_tension(np.array([-100.0, -20.0])), SHORTEST)
     found = judge_arrest(drive, THRESHOLD, LIMIT)
     assert not isinstance(found, str)
-    assert found.margin == math.inf and found.length == 0
+    assert found.margin == found.start == math.inf and found.deepest.stop == 0
 
 
 def test_thresholds_that_do_not_reach() -> None:
-    drive = crack_drive(under_tension(np.array([80.0, 100.0])))
+    drive = crack_drive(under_tension(np.array([80.0, 100.0])), SHORTEST)
     table = Threshold(np.array([0.0, 0.5]), np.array([130.0, 100.0]))
     assert "R = 0.8" in str(judge_arrest(drive, table, LIMIT))
     late = Threshold(np.array([0.2, 0.9]), np.array([130.0, 100.0]))
@@ -156,7 +215,7 @@ def cylinder(radius: float) -> EdgeField:
     values[:, 0, 0] = bulk, -bulk
     reach = 4 * a
     return EdgeField(
-        "main", "left", "lower", np.arange(2), a / 200,
+        "main", "left", "lower", np.arange(2), 0.0,
         NearField(x + a, np.array([pressure, pressure]), np.array([shear, -shear]), 0.33),
         SmoothStress(np.zeros((1, 2), dtype=np.int64), 1.0, values, 0.0, reach, (reach, reach)),
     )  # fmt: skip
@@ -164,9 +223,10 @@ def cylinder(radius: float) -> EdgeField:
 
 def test_small_contacts_stop_their_cracks_and_large_ones_do_not() -> None:
     """At the same stresses everywhere but for the size: one critical size, monotone."""
-    found = [judge_arrest(crack_drive(cylinder(r)), THRESHOLD, LIMIT) for r in (12.5, 50, 100, 150)]
+    drives = [crack_drive(cylinder(radius), SHORTEST) for radius in (12.5, 50, 100, 150)]
+    found = [judge_arrest(each, THRESHOLD, LIMIT) for each in drives]
     margins = [each.margin for each in found if not isinstance(each, str)]
     assert margins == sorted(margins, reverse=True) and len(margins) == 4
     assert margins[1] > 1.1 > 1 > margins[2]
-    stopped = [each.length for each in found if not isinstance(each, str)]
+    stopped = [each.deepest.stop for each in found if not isinstance(each, str)]
     assert math.isfinite(stopped[1]) and stopped[2] == stopped[3] == math.inf
