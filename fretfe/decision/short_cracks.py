@@ -61,7 +61,9 @@ def crack_drive(field: EdgeField, shortest: float, angles: Array = CRACK_ANGLES)
     """
     turns = np.radians(angles)
     reaches = [field.reach(float(each)) for each in turns]
-    lengths = np.geomspace(shortest, max(reaches), 40)
+    # Fifteen a decade, between which lengths of arrest are interpolated.
+    longest = max(reaches)
+    lengths = np.geomspace(shortest, longest, 2 + int(15 * math.log10(longest / shortest)))
     factors = np.full((2, len(field.states), len(angles), len(lengths)), np.nan)
     for place, (turn, reach) in enumerate(zip(turns, reaches, strict=True)):
         inside = lengths <= reach * (1 + 1e-9)

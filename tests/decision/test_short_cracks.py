@@ -143,13 +143,17 @@ def test_a_straight_crack_stops_where_a_weight_function_has_it() -> None:
         return k / (THRESHOLD.ranges[0] * math.sqrt(length / (length + 10 * SHORTEST)))
 
     stops = []
-    for angles in (np.array([0.0]), CRACK_ANGLES):
-        drive = crack_drive(field_of(0, 1), SHORTEST, angles)
+    for shortest, angles in (
+        (SHORTEST, np.array([0.0])),
+        (SHORTEST, CRACK_ANGLES),
+        (1e-4 * SHORTEST, CRACK_ANGLES),
+    ):
+        drive = crack_drive(field_of(0, 1), shortest, angles)
         found = judge_arrest(replace(drive, ranges=2.5 * drive.ranges), THRESHOLD, LIMIT)
         assert not isinstance(found, str)
         stops.append(found.deepest.stop)
     assert 2.5 * relative(stops[0]) == pytest.approx(1, abs=0.02)
-    assert stops[1] >= stops[0] > 0
+    assert stops[2] == pytest.approx(stops[1], rel=0.01) and stops[1] >= stops[0] > 0
 
 
 def test_the_deepest_crack_need_not_be_the_one_that_sets_the_margin() -> None:
