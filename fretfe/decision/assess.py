@@ -29,7 +29,7 @@ from fretfe.decision.endurance import (
 )
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.material import FatigueData, fatigue_data
-from fretfe.decision.short_cracks import SHORTEST, Arrest, crack_drive, judge_arrest
+from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
@@ -333,7 +333,7 @@ def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
     """Arrest of cracks, and the life of the deepest one between two lengths."""
     if data.threshold is None or data.limit is None:
         return "fatigue.threshold and fatigue.limit are not both given", math.nan
-    shortest = max(SHORTEST * short_length(data.threshold, data.limit), field.finest)
+    shortest = max(first_length(short_length(data.threshold, data.limit)), field.finest)
     if shortest >= field.reach(0.0):
         return (
             f"the stress is known down to {field.reach(0.0):.3g}, less than the shortest cracks of "

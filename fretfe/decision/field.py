@@ -31,8 +31,6 @@ from fretfe.results.model import Result
 
 # Parts of each element next to an edge: the pressure has a root.
 PARTS = 12
-# Elements of a slip zone with which the tractions are known at the edge itself.
-ELEMENTS = 2.5
 # Elements above which the stress of elements is not used, and powers of each coordinate.
 SHALLOW = 2.0
 POWER = 3
@@ -173,7 +171,7 @@ def _finest(station: Station, size: float) -> float:
     of p0.
     """
     slip = station.range_over_k_n / (station.friction or math.nan)
-    return 0.0 if slip >= ELEMENTS * size else size
+    return 0.0 if slip >= 2.5 * size else size
 
 
 def _obstacle(result: Result, contact: Contact, station: Station) -> str:

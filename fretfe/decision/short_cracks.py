@@ -27,8 +27,6 @@ from fretfe.decision.thresholds import (
 
 # Degrees from the inward normal.
 CRACK_ANGLES = np.arange(-60.0, 61.0, 10.0)
-# Length over a0 of the cracks that start: their threshold is 5 % below that of the limit.
-SHORTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -86,6 +84,11 @@ def _factors(field: EdgeField, turn: float, lengths: Array) -> Array:
     share = ((wanted - roots[above - 1]) / (roots[above] - roots[above - 1]))[..., None]
     on_crack = (1 - share) * stress[:, above - 1] + share * stress[:, above]
     return np.asarray(cracks.factors(lengths, on_crack[:, None])[:, :, 0])
+
+
+def first_length(a0: float) -> float:
+    """A tenth of a0, of a crack that starts: its threshold is 5 % below that of the limit."""
+    return 0.1 * a0
 
 
 @dataclass(frozen=True)
@@ -164,6 +167,6 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
         deepest=max(cracks, key=lambda each: (each.stop, each.relative.min())),
         critical=critical,
         margin=1 / least if least > 0 else math.inf,
-        start=start if drive.lengths[0] <= SHORTEST * a0 * (1 + 1e-9) else math.nan,
+        start=start if drive.lengths[0] <= first_length(a0) * (1 + 1e-9) else math.nan,
         a0=a0,
     )

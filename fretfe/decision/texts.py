@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement
-from fretfe.decision.short_cracks import SHORTEST
+from fretfe.decision.short_cracks import first_length
 from fretfe.report.texts import MISSING, number, percent, plain_table, rounded
 
 if TYPE_CHECKING:
@@ -237,7 +237,7 @@ def _short_elements(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
         unit, shortest = found.units.length, arrest.deepest.lengths[0]
         yield (
             f"cracks are judged from the length of an element on, {rounded(shortest)} {unit}; it "
-            f"is unknown whether those of a0/10 = {rounded(SHORTEST * arrest.a0)} {unit} grow: "
+            f"is unknown whether those of a0/10 = {rounded(first_length(arrest.a0))} {unit} grow: "
             "slip zones have too few elements"
         )
 

@@ -86,7 +86,7 @@ def test_edges_that_are_not_judged_are_said_first(known: Assessment, tmp_path: P
 def test_short_cracks_that_elements_do_not_resolve_are_said(
     known: Assessment, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(field, "ELEMENTS", 1e9)
+    monkeypatch.setattr(field, "_finest", lambda station, size: size)
     short = write(tmp_path, threshold={**FATIGUE["threshold"], "range": 1.0})
     found = assess(solved("halfplane"), short)
     for edge in found.edges:

@@ -19,14 +19,19 @@ from fretfe.analytic.partial_slip import (
 )
 from fretfe.analytic.profiles import Hertz
 from fretfe.decision.field import EdgeField, NearField, SmoothStress, edge_field
-from fretfe.decision.short_cracks import CRACK_ANGLES, CrackDrive, crack_drive, judge_arrest
+from fretfe.decision.short_cracks import (
+    CRACK_ANGLES,
+    CrackDrive,
+    crack_drive,
+    first_length,
+    judge_arrest,
+)
 from fretfe.decision.thresholds import FatigueLimit, Threshold, short_length
 
 # An aluminium alloy, for illustration: MPa √mm and MPa.
 THRESHOLD = Threshold(np.array([0.0]), np.array([4.2 * math.sqrt(1000)]), 0.5)
 LIMIT = FatigueLimit(248.0, 0.0)
-# A tenth of a0.
-SHORTEST = 0.1 * short_length(THRESHOLD, LIMIT)
+SHORTEST = first_length(short_length(THRESHOLD, LIMIT))
 
 
 def field_of(edge: int, body: int) -> EdgeField:
