@@ -108,13 +108,20 @@ class _Slip:
     def phases(self, states: Indices) -> tuple[Indices, Indices]:
         """Ends and directions of phases that alternate, in states in any order.
 
-        The step to each state is the one before it in the history.
+        The step to each state is the one before it in the history, and what leads to the begin of
+        that step where another state stands before it.
         """
         steps = np.diff(self.drive, prepend=self.drive[:1])[states[1:]]
+        steps += self._between(states[:-1], states[1:] - 1)
         drive = np.append(0.0, np.cumsum(steps))
         ends, ways = slip_phases(drive, self.forward[states], self.backward[states])
         turns = np.diff(ways, prepend=0) != 0
         return ends[turns], ways[turns]
+
+    def _between(self, begin: Indices, end: Indices) -> Array:
+        """(n,) drives of slip on straight ways between states (n,)."""
+        forward, backward = (each[end] - each[begin] for each in (self.forward, self.backward))
+        return np.asarray(np.maximum(forward, 0.0) + np.minimum(backward, 0.0))
 
     def reached(self, states: Indices | int, way: int) -> Array:
         """Largest drive of slip one way, 1 or -1, in some states."""

@@ -372,8 +372,9 @@ def _surfaces(contact: ContactHistory, fronts: Sequence[Front]) -> Iterator[Caut
     closed, smallest = _ever_closed(contact)
     if not closed.any():
         yield from about(contact.name, "", [_never_touch(smallest, contact.surface.weights, 2)])
-    for front, found in zip(PLANE_FRONTS, fronts, strict=True):
-        if not front.from_front(closed)[0] or found.stations[0].no_edge:
+    endless = {front.name for front in fronts if front.stations[0].no_edge}
+    for front in PLANE_FRONTS:
+        if not front.from_front(closed)[0] or front.name in endless:
             continue
         reached: Finding = (Kind.SURFACE_END, "the contact reaches the end of its surface")
         if reaches_image(contact, front):

@@ -287,7 +287,8 @@ def test_many_contacts(tmp_path: Path) -> None:
 
 def test_notes_and_warnings_are_shown(tmp_path: Path) -> None:
     folder = write_run(tmp_path, "halfplane")
-    gap = {"kind": "fault", "subject": {"contact": "main", "front": ""}, "text": "mind <the> gap"}
+    subject = {"contact": "main", "front": ""}
+    gap = {"kind": "fault", "subject": subject, "text": "mind <the> gap", "partly": False}
     edit_numbers(folder, lambda n: n["contacts"]["main"]["warnings"].append(gap))
     page = Page(render(folder))
     assert any("mind <the> gap" in words for words in page.words)

@@ -26,7 +26,7 @@ from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
-from fretfe.evaluate.loaded import NO_LOAD, normal_force
+from fretfe.evaluate.loaded import NO_LOAD
 from fretfe.files import writing
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.mesh.elements import CORNERS, shape_values
@@ -425,8 +425,10 @@ def visible_status(contact: ContactHistory, state: int) -> npt.NDArray[np.int8]:
     Which of them count as slipping in the solution is a matter of round-off. Where the contact
     carries nothing all are open, even if the surfaces still touch.
     """
-    status, force = contact.status[state].copy(), normal_force(contact)
-    if not force[state] > NO_LOAD * force.max():
+    status, near = contact.status[state].copy(), np.array([max(state - 1, 0), state])
+    # Not all states need be kept: those that are have the one before them.
+    force = contact.mean_traction[near][..., 0] @ contact.surface.weights
+    if not force[1] > NO_LOAD * force.max():
         status[:] = OPEN
     before, after = contact.slip[max(state - 1, 0)], contact.slip[state]
     moved, largest = np.abs(after - before).max(axis=-1), np.abs([before, after]).max()

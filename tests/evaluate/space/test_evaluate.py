@@ -463,7 +463,7 @@ def test_what_is_missing_has_a_reason() -> None:
     assert longest_verdict(wide).verdict == "unknown"
     assert longest_verdict(wide).reason == withheld(wide)
     lost = replace(station, k_range=np.nan, k_t=np.array([0.0, np.nan]), k_s=np.zeros(2))
-    assert "not known in 1 of 2 states, last in state 1" in withheld(lost)
+    assert "unknown in 1 of 2 states, last in state 1" in withheld(lost)
     blind = replace(station, k_n=np.full(2, np.nan))
     assert withheld(blind) == "K_N is not known, since the pressure next to the front has no fit"
     unsure = replace(station, k_range_spread=np.nan, k_range_parts=replace(parts, steps=np.nan))
