@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Indices
 from fretfe.case import Case, complaint
+from fretfe.case.overrides import by_key
 from fretfe.contact.interface import Interface, Place
 from fretfe.contact.recorder import COUNTS, VIOLATIONS, Accepted
 from fretfe.contact.state import SLIP, ContactState
@@ -72,6 +73,7 @@ class Beginning:
         """The states behind the unloaded one, in the weighted quantities of an interface."""
         named = np.array([each.control != "free" for each in interface.coordinates], dtype=bool)
         solution, free = self.solution, self.solution.free
+        assert free is not None  # as of `read_beginning`
         violations = [solution.certificates[name] for name in (*VIOLATIONS, "worst")]
         for block in blocks(self.last, interface.size * interface.components):
             numbers = np.arange(block.start, block.stop) + 1
@@ -82,8 +84,7 @@ class Beginning:
             coordinates[:, named], forces[:, named] = (
                 each[numbers] for each in (solution.amplitudes, solution.forces)
             )
-            if free is not None:
-                coordinates[:, ~named] = free[numbers]
+            coordinates[:, ~named] = free[numbers]
             whole |= {"coordinates": coordinates, "forces": forces}
             for place, number in enumerate(numbers.tolist()):
                 yield Accepted(
@@ -196,7 +197,7 @@ def _difference(case: Case, run: Result) -> str | None:
             'run it with [output] tractions = "all"'
         )
     one, other = (
-        _flat(each.model_dump(mode="json", exclude=FREE, by_alias=True))
+        by_key(each.model_dump(mode="json", exclude=FREE, by_alias=True))
         for each in (case, run.case)
     )
     # Loads that one of the two lacks act later, if at all.
@@ -206,17 +207,6 @@ def _difference(case: Case, run: Result) -> str | None:
         if one.get(key) != other.get(key) and (table != "loads" or name in shared):
             return f"expected {key} of that run, {other.get(key)}, found {one.get(key)}"
     return None
-
-
-def _flat(tables: Mapping[str, Any], before: str = "") -> dict[str, Any]:
-    """Values by their whole keys."""
-    found: dict[str, Any] = {}
-    for key, value in tables.items():
-        if isinstance(value, dict):
-            found |= _flat(value, f"{before}{key}.")
-        else:
-            found[before + key] = value
-    return found
 
 
 def _require_loads(case: Case, history: History, run: History, state: int) -> None:

@@ -110,8 +110,6 @@ class StepTable(Sequence[StepLoads]):
 
     def after(self, loads: StepLoads, pressure: Array) -> StepLoads:
         """Loads with the coefficients that act after a pressure (N,) at the nodes."""
-        if not self.by_pressure:
-            return loads
         ends = np.cumsum([each.fields.shape[1] for each in self.friction])
         own = zip(self.friction, np.split(pressure, ends[:-1]), strict=True)
         shares = [each.share(here) for each, here in own]

@@ -354,7 +354,9 @@ def _case_differences(first: Result, second: Result) -> list[str]:
     notes = []
     if first.backend != second.backend:
         notes.append(f"solved by {first.backend} and by {second.backend}")
-    one, two = (by_key(each.case.model_dump(exclude_unset=True)) for each in (first, second))
+    one, two = (
+        by_key(each.case.model_dump(exclude_unset=True, by_alias=True)) for each in (first, second)
+    )
     keys = [key for key in {**one, **two} if key.split(".")[0] not in NOT_COMPARED]
     texts = [
         f"{key}: {_value(one, key)} and {_value(two, key)}"

@@ -47,6 +47,8 @@ history = [
 
 PAD = {name: table for name, table in tomllib.loads(HERTZ).items() if name != "title"}
 STEEL = PAD["bodies"]["upper"]
+# Of rough surfaces, as a case has it.
+ROUGH = {"pressure": [0.0, 60.0, 600.0], "approach": [0.0, 6e-4, 2e-3], "tangential": 3e5}
 TOP = {"type": "platen", "boundary": "upper_top", "control": "force"}
 HOLD = {"hold": True, "until": 1.0}
 BASE = PAD["supports"]

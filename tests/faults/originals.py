@@ -13,7 +13,7 @@ import h5py
 import meshio
 import numpy as np
 import tomli_w
-from cases.pad_cases import TOP, cylinder, pad, press, shear
+from cases.pad_cases import ROUGH, TOP, cylinder, pad, press, shear
 from cases.solid_runs import solid_result
 from cases.stored_runs import CYCLE, write_run
 from cases.user_geometry import BODIES, BOUNDARIES, write_cad
@@ -62,21 +62,7 @@ RUBBED: dict[str, dict[str, Any]] = (
             "heated": {"temperature": [20.0, 600.0], "values": [0.4, 0.2]},
         }.items()
     }
-    | {
-        "rough": {
-            **PAD,
-            "contacts": {
-                "main": {
-                    **PAD["contacts"]["main"],
-                    "layer": {
-                        "pressure": [0.0, 60.0, 600.0],
-                        "approach": [0.0, 6e-4, 2e-3],
-                        "tangential": 3e5,
-                    },
-                }
-            },
-        },
-    }
+    | {"rough": {**PAD, "contacts": {"main": {**PAD["contacts"]["main"], "layer": ROUGH}}}}
     | {"branch": {**PAD, "start": {"from": "preload", "time": 1.0}}}
 )
 MESHES = ("pad.msh", "pad22.msh", "binary.msh", "binary22.msh", "solid.msh", "pad.inp")

@@ -7,7 +7,19 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.pad_cases import BASE, HOLD, SLIDING, STEEL, cylinder, pad, press, pull, shear, wave
+from cases.pad_cases import (
+    BASE,
+    HOLD,
+    ROUGH,
+    SLIDING,
+    STEEL,
+    cylinder,
+    pad,
+    press,
+    pull,
+    shear,
+    wave,
+)
 from reference.closed_forms import closed_contact
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
@@ -171,18 +183,7 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
         "start: expected a case that begins unloaded",
     ),
     "rough": (
-        {
-            "contacts": {
-                "main": {
-                    **MAIN,
-                    "layer": {
-                        "pressure": [0.0, 60.0, 600.0],
-                        "approach": [0.0, 6e-4, 2e-3],
-                        "tangential": 3e5,
-                    },
-                }
-            }
-        },
+        {"contacts": {"main": {**MAIN, "layer": ROUGH}}},
         "contacts.main.layer: expected a stiffness, not a curve",
     ),
     "mesh file": ({"geometry": {"file": "mine.msh"}}, "found a mesh file, 'mine.msh'"),
