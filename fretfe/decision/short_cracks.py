@@ -2,8 +2,8 @@
 """Short cracks that start at an edge: their drive through the cycle at any angle, and arrest.
 
 They are straight edge cracks of a half-plane under the stress of the uncracked body: shorter than
-the distance to anything else, and their faces do not touch. That they press the faces together
-counts as no drive (`opening_range`).
+the distance to anything else. While their faces are pressed together they have no drive
+(`opening_range`).
 """
 
 from __future__ import annotations

@@ -99,21 +99,29 @@ def short_threshold(lengths: Array, threshold: Array, a0: float) -> Array:
 
 
 def opening_range(k_1: Array, k_2: Array) -> tuple[Array, Array]:
-    """ΔK and R (...) of cracks through n states (n, ...).
+    """ΔK and R (...) of cracks through n states (n, ...), straight between them; NaN as given.
 
-    ΔK is the longest chord of the way of (K_I, K_II) while the crack is open, with (0, 0) for
-    where it is closed: the root of ΔG E', as the release of energy by both modes adds up. Friction
-    of the faces, and growth by shear under pressure, are left out. R is that of max(K_I, 0); 0 of
-    cracks that never open.
+    ΔK is the longest chord of the way of (K_I, K_II) while the crack is open, K_I >= 0: the root of
+    ΔG E', as the release of energy by both modes adds up. Faces that are pressed together keep
+    their shift, so the way goes on from where it closed to where it opens: friction of the faces
+    after Coulomb (Dubourg and Villechaise, J. Tribol. 114, 1992) that does not let them slide.
+    Growth by shear under pressure is left out. R is that of max(K_I, 0); 0 of cracks that never
+    open.
     """
-    way = np.maximum(k_1, 0.0), np.where(k_1 > 0, k_2, 0.0)
-    longest = np.zeros(k_1.shape[1:])
-    for state in range(1, len(k_1)):
-        chords = np.hypot(way[0][:state] - way[0][state], way[1][:state] - way[1][state])
-        longest = np.maximum(longest, chords.max(axis=0))
-    largest = way[0].max(axis=0)
-    ratio = way[0].min(axis=0) / np.where(largest > 0, largest, 1.0)
-    return longest, ratio
+    is_open = k_1 > 0
+    turned = is_open[:-1] != is_open[1:]
+    share = k_1[:-1] / np.where(turned, k_1[:-1] - k_1[1:], 1.0)
+    shifts = k_2[:-1] + share * np.diff(k_2, axis=0)
+    # The places at which it closes or opens are as much of the way as the states are.
+    opening = np.concatenate([np.where(is_open, k_1, np.nan), np.where(turned, 0.0, np.nan)])
+    sliding = np.concatenate([k_2, shifts])
+    longest = np.where(np.isnan(k_1).any(axis=0), np.nan, 0.0)
+    for place in range(1, len(opening)):
+        chords = np.hypot(opening[:place] - opening[place], sliding[:place] - sliding[place])
+        longest = np.maximum(longest, np.fmax.reduce(chords, axis=0, initial=0.0))
+    pulls = np.maximum(k_1, 0.0)
+    largest = pulls.max(axis=0)
+    return longest, pulls.min(axis=0) / np.where(largest > 0, largest, 1.0)
 
 
 def arrest_length(lengths: Array, drive: Array) -> float:

@@ -66,13 +66,33 @@ def test_short_cracks_approach_the_fatigue_limit_and_the_threshold() -> None:
     assert threshold[1] == pytest.approx(4.2, rel=1e-3)
 
 
-def test_closed_states_count_as_none() -> None:
-    k_1 = np.array([[3.0, -1.0], [-2.0, -5.0], [1.0, -2.0]])
-    k_2 = np.array([[4.0, 9.0], [70.0, 0.0], [0.0, 1.0]])
+def test_faces_keep_their_shift_while_they_are_pressed_together() -> None:
+    """From (3, 4) the crack closes at (0, 6), half of the way, and opens at (0, 2)."""
+    k_1 = np.array([[3.0, -1.0], [-3.0, -5.0], [1.0, -2.0]])
+    k_2 = np.array([[4.0, 9.0], [8.0, 0.0], [0.0, 1.0]])
     found, ratio = opening_range(k_1, k_2)
-    assert found == pytest.approx([5.0, 0.0]) and ratio == pytest.approx([0.0, 0.0])
+    assert found == pytest.approx([math.hypot(1, 6), 0.0]) and ratio == pytest.approx([0.0, 0.0])
     found, ratio = opening_range(np.array([[2.0], [4.0]]), np.zeros((2, 1)))
     assert found[0] == 2.0 and ratio[0] == 0.5
+    assert np.isnan(opening_range(np.array([[2.0], [np.nan]]), np.zeros((2, 1)))[0]).all()
+
+
+def test_more_states_on_the_same_way_change_nothing() -> None:
+    way = np.random.default_rng(1).normal(0, 10, (2, 12, 40))
+    denser = np.stack([np.interp(np.arange(0, 11.1, 0.25), np.arange(12), each)
+                       for each in way.swapaxes(1, 2).reshape(-1, 12)])  # fmt: skip
+    k_1, k_2 = denser.reshape(2, 40, -1).swapaxes(1, 2)
+    for one, other in zip(opening_range(*way), opening_range(k_1, k_2), strict=True):
+        assert other == pytest.approx(one, abs=1e-9)
+
+
+def test_a_crack_that_hardly_opens_has_no_range() -> None:
+    """The range falls to zero as pressure rises, without a jump."""
+    turns = np.linspace(0, 2 * np.pi, 41)[:, None]
+    pressure = np.linspace(0.0, 1.1, 1101)
+    found = opening_range(np.sin(turns) - pressure, 3 * np.cos(turns - 0.4) + 0 * pressure)[0]
+    assert found[0] > 5 and found[-1] == 0
+    assert np.abs(np.diff(found)).max() < 0.3
 
 
 def test_where_a_crack_stops() -> None:
