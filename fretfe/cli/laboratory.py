@@ -349,6 +349,8 @@ def _strength_table(found: StrengthMap, shown: Sequence[Margin]) -> Table:
 
 def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     """Fits, what is unknown and why, remarks; what several edges share once."""
+    from fretfe.strength.margins import survival_text
+
     texts = []
     for fit in found.fits:
         c0, c1, c2 = fit.coefficients
@@ -374,7 +376,10 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
     known = [each for each in shown if not each.reason]
     for result in dict.fromkeys(each.edge.result for each in known):
         own = (each for each in known if each.edge.result == result)
-        texts.append(_expectation(min(own, key=lambda each: each.margin), found.life))
+        worst = min(own, key=lambda each: each.margin)
+        texts.append(_expectation(worst, found.life))
+        if worst.survival is not None:
+            texts.append(f"{result}: {survival_text(worst.survival)}")
     return texts
 
 

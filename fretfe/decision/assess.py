@@ -36,6 +36,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import find_critical, findley, smith_watson_topper
 from fretfe.files import json_value
 from fretfe.results.model import Result
+from fretfe.strength.fit import Survival
 from fretfe.strength.margins import Margin, result_labels, strength_map
 
 SCHEMA = {"name": "fretfe-assessment", "version": 1}
@@ -98,6 +99,7 @@ class EdgeAssessment:
             unknown.
         bar: relative error of stresses by the bars of K_N and ΔK_T; NaN where one is unknown.
         spread: error of the stress beside that of the tractions [stress].
+        survival: probability to reach the life of the tests; None without tests that say so.
     """
 
     contact: str
@@ -109,6 +111,7 @@ class EdgeAssessment:
     life: float
     bar: float
     spread: float
+    survival: Survival | None = None
 
     @property
     def governing(self) -> Judgement | None:
@@ -261,7 +264,8 @@ def _edges(
             for number, body in enumerate((pair.body1, pair.body2)):
                 reason = data.disagreement(result.case.bodies[body])
                 field = reason or edge_field(result, contact, station, number)
-                yield _edge(result, (contact, station, body), data, field, by_tests)
+                found = _edge(result, (contact, station, body), data, field, by_tests)
+                yield replace(found, survival=None if margin is None else margin.survival)
 
 
 def _edge(
@@ -276,7 +280,7 @@ def _edge(
         others = [Judgement(each, reason=field) for each in list(Criterion)[1:]]
         return EdgeAssessment(
             contact.name, station.front, name, station.friction, (by_tests, *others), None,
-            *[math.nan] * 3,
+            math.nan, math.nan, math.nan,
         )  # fmt: skip
     bars = _Bars.of(field, station, data)
     body = isotropic(result.case.bodies[name])
@@ -475,6 +479,7 @@ def assessment_numbers(found: Assessment) -> dict[str, Any]:
         "edges": [
             {
                 **{name: json_value(getattr(edge, name)) for name in OF_EDGE},
+                "survival": json_value(edge.survival and asdict(edge.survival)),
                 "arrest": None if edge.arrest is None else json_value(asdict(edge.arrest)),
                 "criteria": {
                     each.criterion.value: {

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement
 from fretfe.decision.short_cracks import first_length
 from fretfe.report.texts import MISSING, number, percent, plain_table, rounded
+from fretfe.strength.margins import survival_text
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -123,6 +124,8 @@ def _sureness(found: Assessment, edge: EdgeAssessment, judgement: Judgement) -> 
         yield "error bars of the edge are not known"
     elif judgement.criterion is Criterion.TESTS:
         yield "95 % of single parts are in this interval"
+        if edge.survival is not None:
+            yield survival_text(edge.survival)
     else:
         yield (
             f"the interval is that of the computed stress, {percent(edge.bar, 0)} by K_N and "
@@ -178,7 +181,9 @@ def details(found: Assessment) -> Iterator[str]:
     """Cracks, what is unknown and why, remarks; what several edges share once."""
     said: dict[str, list[EdgeAssessment]] = {}
     for edge in found.edges:
+        survival = edge.survival
         for texts in (
+            [] if survival is None else [survival_text(survival)],
             _cracks(edge, found.units.length),
             _short_elements(found, edge),
             _unknown(edge),

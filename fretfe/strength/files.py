@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -222,6 +223,7 @@ def _edge(margin: Margin, fits: tuple[LifeFit, ...]) -> dict[str, Any]:
         "tests": margin.tests,
         "fit": place,
         **{name: json_value(getattr(margin, name)) for name in JUDGED},
+        "survival": json_value(margin.survival and asdict(margin.survival)),
         "reason": margin.reason,
         "remarks": list(edge.remarks),
     }

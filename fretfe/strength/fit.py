@@ -15,8 +15,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize
-from scipy.stats import norm
+from scipy.optimize import brentq, minimize
+from scipy.stats import chi2, norm
 from scipy.stats import t as student
 
 from fretfe._typing import Array, Bools
@@ -29,6 +29,24 @@ SAME = 1.02
 WORST = 1e3
 # Coverage of intervals, two-sided.
 COVERAGE = 0.95
+
+
+@dataclass(frozen=True)
+class Survival:
+    """Probability that a part with some factors lives for longer than some cycles.
+
+    Attributes:
+        life: these cycles.
+        part: of one part more, by scatter and error of the fit; NaN where unknown.
+        low, high: ends of an interval that holds the share of all such parts with 95 %.
+        reason: why it is unknown; empty if it is known.
+    """
+
+    life: float
+    part: float = np.nan
+    low: float = np.nan
+    high: float = np.nan
+    reason: str = ""
 
 
 @dataclass(frozen=True)
@@ -69,6 +87,37 @@ class LifeFit:
         log = (np.log10(life) - c0 - c2 * np.log10(k_n)) / c1
         gradient = -np.array([1.0, log, np.log10(k_n)]) / c1
         return float(gradient @ self.covariance @ gradient), float((self.scatter / c1) ** 2)
+
+    def survival(self, k_n: float, k_t_range: float, life: float, bar: float) -> Survival:
+        """Probability of more cycles than a life at a K_N and ΔK_T, which the tests should cover.
+
+        The distance of the mean from the life over the scatter is that of the fit times s'/s, whose
+        square is χ² over its freedom, and a normal error of the mean: exact without run-outs (the
+        interval is that of the noncentral t-distribution: Owen, J. Am. Stat. Assoc. 63, 1968).
+
+        Args:
+            k_n: factor of the part.
+            k_t_range: its range.
+            life: cycles.
+            bar: error bar of log10 of the life by those of both factors, of 95 %.
+        """
+        at = np.array([1.0, np.log10(k_t_range), np.log10(k_n)])
+        # Beyond 30 all of these are 0 or 1.
+        distance = np.clip((at @ self.coefficients - np.log10(life)) / self.scatter, -30, 30)
+        variance = at @ self.covariance @ at + (bar / norm.ppf((1 + COVERAGE) / 2)) ** 2
+        error = np.sqrt(variance) / self.scatter
+        scatters = np.sqrt(chi2.ppf((np.arange(2000) + 0.5) / 2000, self.freedom) / self.freedom)
+
+        def below(place: float, share: float) -> float:
+            return float(norm.cdf((place - distance * scatters) / error).mean()) - share
+
+        far = 3 * abs(distance) + 10 * error
+        low, high = (
+            float(norm.cdf(brentq(below, -far, far, args=(share / 2,))))
+            for share in (1 - COVERAGE, 1 + COVERAGE)
+        )
+        part = float(student.cdf(distance / np.hypot(1, error), self.freedom))
+        return Survival(life, part, low, high)
 
 
 def fit_life(k_n: Array, k_t_range: Array, life: Array, runout: Bools) -> LifeFit | str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -18,7 +18,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.quality.ends import beside_end
 from fretfe.report.texts import number, rounded
 from fretfe.results.model import Result
-from fretfe.strength.fit import SAME, LifeFit, fit_life
+from fretfe.strength.fit import SAME, LifeFit, Survival, fit_life
 from fretfe.strength.lives import StrengthTests, read_tests
 
 # f ΔK_I over ΔK_T above which the normal load varies, and turning above which (K_T, K_S) does.
@@ -187,6 +187,8 @@ class Margin:
             scatter of single specimens, error of the fit, error bars of K_N and ΔK_T of the edge.
         fit_share, scatter_share, edge_share: half of the width of the interval of log10 of the
             margin that each of these three would have alone.
+        survival: probability that it reaches the life, with the bars of the edge in its interval;
+            None without a margin.
         reason: why there is no margin; empty if there is one.
     """
 
@@ -202,6 +204,7 @@ class Margin:
     fit_share: float = math.nan
     scatter_share: float = math.nan
     edge_share: float = math.nan
+    survival: Survival | None = None
 
 
 @dataclass(frozen=True)
@@ -277,7 +280,9 @@ def _margin(
         return Margin(edge, count, None, fit)
     if reason := _beyond(tests, chosen, fit, edge.k_n, life):
         return Margin(edge, count, fit, reason)
-    return _judged(edge, count, fit, life)
+    judged = _judged(edge, count, fit, life)
+    bar = judged.edge_share * abs(fit.coefficients[1])
+    return replace(judged, survival=_survival(tests, chosen, fit, edge, life, bar))
 
 
 def _agreeing(tests: StrengthTests, edge: ComponentEdge) -> Bools:
@@ -336,6 +341,35 @@ def _is_outside(tests: Array, place: Array) -> bool:
     deviations = np.column_stack([place, tests]) - tests.mean(axis=1)[:, None]
     distances = np.einsum("in,ij,jn->n", deviations, inverse, deviations)
     return bool(distances[0] > distances[1:].max())
+
+
+def _survival(
+    tests: StrengthTests, chosen: Bools, fit: LifeFit, edge: ComponentEdge, life: float, bar: float
+) -> Survival:
+    """Probability that an edge reaches a life, if the tests cover it; bar of log10 of its life."""
+    ranges = tests.k_t_range[chosen]
+    if not ranges.min() <= edge.k_t_range <= ranges.max():
+        side = "above" if edge.k_t_range > ranges.max() else "below"
+        return Survival(life, reason=f"its ΔK_T is {side} all tested ones")
+    place = np.log10([edge.k_t_range, edge.k_n])
+    if fit.coefficients[2] and _is_outside(np.log10([ranges, tests.k_n[chosen]]), place):
+        return Survival(life, reason="its K_N and ΔK_T lie outside of the cloud of tests")
+    return fit.survival(edge.k_n, edge.k_t_range, life, bar)
+
+
+def survival_text(found: Survival) -> str:
+    """The probability in words; its tails are those of the normal distribution."""
+    life = number(found.life, 6)
+    if found.reason:
+        return f"the probability to survive {life} cycles is unknown: {found.reason}"
+    part, low, high = map(_share, (found.part, found.low, found.high))
+    return f"{part} of parts survive {life} cycles (95 % sure: {low} to {high})"
+
+
+def _share(value: float) -> str:
+    if not 0.001 <= value <= 0.999:
+        return "over 99.9 %" if value > 0.5 else "under 0.1 %"
+    return f"{100 * value:.3g} %"
 
 
 def _judged(edge: ComponentEdge, count: int, fit: LifeFit, life: float) -> Margin:

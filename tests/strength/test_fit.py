@@ -131,6 +131,56 @@ def test_intervals_hold_what_they_promise() -> None:
     assert 0.91 < of_part / 200 <= 0.99
 
 
+def test_survival_without_run_outs_is_that_of_noncentral_t() -> None:
+    """Its interval, and the next specimen's probability by Student (Owen 1968; Hahn 1970)."""
+    k_n, ranges, life, runout = made_up(count=12, end=math.inf)
+    fit = fitted(k_n, ranges, life, runout)
+    design = np.column_stack([np.ones(12), np.log10(ranges), np.log10(k_n)])
+    at = np.array([1, math.log10(45), math.log10(1200)])
+    share = float(at @ np.linalg.inv(design.T @ design) @ at)
+    mean = float(at @ np.linalg.lstsq(design, np.log10(life), rcond=None)[0])
+    for cycles in (5e4, 1.2e5, 2e5):
+        found = fit.survival(1200.0, 45.0, cycles, 0.0)
+        distance = (mean - math.log10(cycles)) / fit.scatter
+        for end, chance in ((found.low, 0.975), (found.high, 0.025)):
+            place = stats.norm.ppf(end) / math.sqrt(share)
+            known = stats.nct.cdf(distance / math.sqrt(share), 9, place)
+            assert known == pytest.approx(chance, abs=1e-3)
+        part = stats.t.cdf(distance / math.sqrt(1 + share), 9)
+        assert found.part == pytest.approx(part, abs=1e-4)
+        wide = fit.survival(1200.0, 45.0, cycles, 0.2)
+        assert wide.low < found.low and wide.high > found.high
+
+
+@pytest.mark.slow
+def test_the_interval_holds_the_share_of_specimens_that_survive() -> None:
+    """Of samples of 12 tests with run-outs; the standard deviation of the count is 2 %."""
+    at = np.array([1, math.log10(42), math.log10(1200)])
+    known = stats.norm.cdf((TRUE @ at - math.log10(1.5e5)) / SCATTER)
+    fits = [fit_life(*made_up(seed, 12, 3e5)) for seed in range(150)]
+    found = [fit.survival(1200.0, 42.0, 1.5e5, 0.0) for fit in fits if isinstance(fit, LifeFit)]
+    assert len(found) > 100 and 0.6 < known < 0.99
+    assert 0.91 < np.mean([each.low <= known <= each.high for each in found]) <= 0.99
+
+
+def test_survival_of_a_pad(tests: Path, tmp_path: Path) -> None:
+    """Even odds where the margin is one; unknown beyond the tested ΔK_T."""
+    margin = fretfe.strength_map(tests, [solved("halfplane")], LIFE).margins[0]
+    edge, fit, survival = margin.edge, margin.fit, margin.survival
+    assert fit is not None and survival is not None
+    assert survival.low < survival.part < survival.high
+    even = fit.survival(edge.k_n, margin.strength, LIFE, 0.0)
+    assert even.part == pytest.approx(0.5) and even.low < 0.5 < even.high
+    assert even.high == pytest.approx(1 - even.low)
+    assert (survival.part > 0.5) == (margin.margin > 1)
+    k_n, ranges, life, runout = made_up(count=60)
+    high = ranges > 37
+    path = write_tests(tmp_path / "high.csv", *(each[high] for each in (k_n, ranges, life, runout)))
+    beyond = fretfe.strength_map(path, [solved("halfplane")], 1.5e5).margins[0]
+    assert beyond.survival is not None and math.isnan(beyond.survival.part)
+    assert beyond.margin > 1 and beyond.survival.reason == "its ΔK_T is below all tested ones"
+
+
 def test_one_k_n_needs_one_coefficient_less() -> None:
     found = fitted(*made_up(k_n=(1230.0, 1235.0)))
     assert found.coefficients[2] == 0
