@@ -33,7 +33,7 @@ from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judg
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.critical_planes import find_critical, findley, smith_watson_topper
+from fretfe.evaluate.critical_planes import PAIRS, find_critical, findley, smith_watson_topper
 from fretfe.files import json_value
 from fretfe.results.model import Result
 from fretfe.strength.fit import Survival
@@ -42,7 +42,7 @@ from fretfe.strength.margins import Margin, result_labels, strength_map
 SCHEMA = {"name": "fretfe-assessment", "version": 1}
 # Attributes of an edge and of a judgement, which are keys of the file.
 OF_EDGE = ("contact", "edge", "body", "friction", "life", "bar", "spread")
-OF_JUDGEMENT = ("margin", "low", "high", "place", "reason")
+OF_JUDGEMENT = ("margin", "low", "high", "place", "outermost", "reason")
 
 
 class Criterion(Enum):
@@ -76,6 +76,8 @@ class Judgement:
             tests by their scatter too; NaN where unknown.
         place: worst place along the surface, inward from the edge; NaN where it is the edge.
         reason: why the margin is unknown; empty if it is known.
+        outermost: whether it is worst at the outermost place that is judged, and so may be worse
+            beyond: there it is a matter of the body rather than of the edge.
     """
 
     criterion: Criterion
@@ -84,6 +86,7 @@ class Judgement:
     high: float = math.nan
     place: float = math.nan
     reason: str = ""
+    outermost: bool = False
 
 
 @dataclass(frozen=True)
@@ -310,10 +313,15 @@ class _Bars:
         amplitude = math.nan if data.limit is None else data.limit.stress_range / 2
         return cls(math.hypot(of_range, spread / k_n), field.smooth.spread / amplitude)
 
-    def around(self, criterion: Criterion, margin: float, place: float = math.nan) -> Judgement:
-        """A margin with its interval: of stresses over what is endured, the margin's inverse."""
+    def around(
+        self, criterion: Criterion, margin: float, place: float = math.nan, weight: float = 1.0
+    ) -> Judgement:
+        """A margin with its interval: of stresses over what is endured, the margin's inverse.
+
+        Of that an absolute error of the stress changes as much times the weight.
+        """
         used = 1 / margin
-        bar = math.hypot(self.relative * used, self.absolute)
+        bar = math.hypot(self.relative * used, weight * self.absolute)
         low, high = used + bar, used - bar
         return Judgement(
             criterion,
@@ -383,10 +391,13 @@ def _by_distances(
     limit = data.limit.stress_range**2 / (1 - data.limit.ratio) / (2 * body.young)
     for criterion, method in METHODS.items():
         stress = _mean(field, places, method, length)
-        found = find_critical(stress, _strain(stress, body), smith_watson_topper).value
-        at = int(np.argmax(found))
-        margin = math.sqrt(limit / found[at]) if found[at] > 0 else math.inf
-        yield bars.around(criterion, margin, float(places[at]))
+        found = find_critical(stress, _strain(stress, body), smith_watson_topper)
+        at = int(np.argmax(found.value))
+        value = float(found.value[at])
+        margin = math.sqrt(limit / value) if value > 0 else math.inf
+        weight = _weight(stress[:, at], found.normal[at], body.young * value)
+        judgement = bars.around(criterion, margin, float(places[at]), weight)
+        yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
     yield from _by_endurance(_mean(field, places, "point", length), places, data, body, bars)
 
 
@@ -406,6 +417,21 @@ def _mean(field: EdgeField, places: Array, method: Distance, length: float) -> A
     found = np.zeros((len(stress), len(places), 6))
     found[..., :4] = np.einsum("npmc,m->npc", stress, weights)
     return found
+
+
+def _weight(stress: Array, normal: Array, product: float) -> float:
+    """Error of √(σ_max E ε_a) by one of the stress, over that: more than 1 unless both are equal.
+
+    A small tension is as uncertain as the large range, and its relative error counts.
+
+    Args:
+        stress: (n, 6) at the critical place.
+        normal: (3,) of the critical plane.
+        product: σ_max E ε_a on it.
+    """
+    parts = np.array([normal[i] * normal[j] * (1 + (i != j)) for i, j in PAIRS])
+    pull = float((stress @ parts).max())
+    return (pull + product / pull) / (2 * math.sqrt(product)) if product > 0 else 1.0
 
 
 def _strain(stress: Array, body: Body) -> Array:
@@ -436,7 +462,8 @@ def _by_endurance(
     for criterion, found in zip(criteria, values, strict=True):
         at = int(np.argmax(found))
         margin = 1 / float(found[at]) if found[at] > 0 else math.inf
-        yield bars.around(criterion, margin, float(places[at]))
+        judgement = bars.around(criterion, margin, float(places[at]))
+        yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
 
 
 def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:

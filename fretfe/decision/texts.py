@@ -186,6 +186,7 @@ def details(found: Assessment) -> Iterator[str]:
             [] if survival is None else [survival_text(survival)],
             _cracks(edge, found.units.length),
             _short_elements(found, edge),
+            _outermost(edge, found.units.length),
             _unknown(edge),
         ):
             for text in texts:
@@ -228,6 +229,16 @@ def _cracks(edge: EdgeAssessment, unit: str) -> Iterator[str]:
         yield f"no crack of {shortest} grows, up to {_factor(arrest.start)} times the stress"
     if math.isfinite(edge.life):
         yield f"{number(edge.life, 2)} cycles between the lengths of fatigue.growth"
+
+
+def _outermost(edge: EdgeAssessment, unit: str) -> Iterator[str]:
+    """Criteria that do not fall away from the edge."""
+    if found := [each for each in edge.judgements if each.outermost]:
+        names = ", ".join(each.criterion.value for each in found)
+        yield (
+            f"{names}: worst at the outermost place judged, {rounded(abs(found[0].place))} {unit} "
+            "outside of the edge, so what the body does there governs, and more beyond"
+        )
 
 
 def _uncertain(edge: EdgeAssessment) -> bool:

@@ -36,8 +36,10 @@ TESTS = """k_n [MPa/√mm],dk_t [MPa·√mm],life,runout,f,E [MPa],nu
 """
 
 
-def pulled(monkeypatch: pytest.MonkeyPatch, tension: list[float]) -> Assessment:
-    """Edges under nothing but a uniaxial stress along the surface."""
+def pulled(
+    monkeypatch: pytest.MonkeyPatch, tension: list[float], spread: float = 0.0
+) -> Assessment:
+    """Edges under nothing but a uniaxial stress along the surface, and its error."""
 
     def uniform(*at: Any) -> EdgeField:
         field = edge_field(*at)
@@ -49,7 +51,7 @@ def pulled(monkeypatch: pytest.MonkeyPatch, tension: list[float]) -> Assessment:
             field,
             states=np.arange(len(tension)),
             near=NearField(np.array([-1.0, 0.0, 1.0]), none, none, 0.3),
-            smooth=replace(field.smooth, values=values),
+            smooth=replace(field.smooth, values=values, spread=spread),
         )
 
     monkeypatch.setattr(module, "edge_field", uniform)
@@ -73,6 +75,23 @@ def test_all_criteria_agree_on_the_fatigue_limit(
         assert edge.arrest.start == pytest.approx(2, rel=0.06)
         assert edge.arrest.deepest.stop == 0 and edge.life == math.inf
     assert found.length == pytest.approx((4.2 / 248) ** 2 / np.pi * 1000)
+
+
+def test_a_small_tension_with_a_large_range_is_less_sure(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """The interval of SWT by the error of the stress is that of both extremes, moved by it."""
+    write(tmp_path)
+    monkeypatch.chdir(tmp_path)
+    edge = pulled(monkeypatch, [20.0, -200.0], 2.0).edges[0]
+    judgement = edge.of(Criterion.POINT)
+    used, of_factors = 1 / judgement.margin, edge.bar / judgement.margin
+    assert used == pytest.approx(math.sqrt(20 * 110) / 248, rel=2e-3)
+    half = (1 / judgement.low - 1 / judgement.high) / 2
+    known = (math.sqrt(22 * 112) - math.sqrt(18 * 108)) / 2 / 248
+    assert math.sqrt(half**2 - of_factors**2) == pytest.approx(known, rel=0.01)
+    # The stress is the same everywhere, also at the first place that is looked at.
+    assert judgement.place == pytest.approx(-5 * 0.0913, rel=1e-2) and judgement.outermost
 
 
 def test_cracks_that_grow_have_a_life(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
@@ -169,7 +188,7 @@ def test_the_numbers_are_json(tmp_path: Path) -> None:
     # Infinite: null, and no reason.
     assert edge["criteria"]["arrest of cracks"] == {
         "margin": None, "low": None, "high": None, "place": None, "reason": "",
-        "range": [None, None],
+        "outermost": False, "range": [None, None],
     }  # fmt: skip
     assert numbers["worst"]["criterion"] in edge["criteria"]
 
