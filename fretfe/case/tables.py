@@ -69,6 +69,11 @@ class Solid(Table):
         "that do not lean; further inside they grow to the length "
         "over layers. Without it all layers are equal.",
     )
+    spans: dict[Name, tuple[NotNegative, Positive]] = Field(
+        default_factory=dict,
+        description="Where bodies begin and end in z that are shorter than the length, such as "
+        "{ blade = [0.0, 11.0] }; layers are thin there, too.",
+    )
 
     @model_validator(mode="after")
     def _thinner_at_ends(self) -> Self:
@@ -79,6 +84,20 @@ class Solid(Table):
                 f"({self.length:g}/{self.layers} = {equal:g}), found {self.end_size:g}"
             )
         return self
+
+    @model_validator(mode="after")
+    def _spans_within(self) -> Self:
+        for body, (start, end) in self.spans.items():
+            if not start < end <= self.length:
+                raise ValueError(
+                    f"expected spans that increase, up to the length {self.length:g}, found "
+                    f"{body} = [{start:g}, {end:g}]"
+                )
+        return self
+
+    def span(self, body: str) -> tuple[float, float]:
+        """Where a body begins and ends in z."""
+        return self.spans.get(body, (0.0, self.length))
 
 
 class Part(Table):

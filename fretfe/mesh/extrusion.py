@@ -11,8 +11,9 @@ symmetric template symmetric. Quadrilaterals become hexahedra, a tensor product.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -88,31 +89,54 @@ def extrude(
     Args:
         mesh: of plane bodies, with cells of order 1 or 2.
         solid: length in the units of the mesh, skew in degrees, number of layers, thickness of
-            those at free ends.
+            those at free ends, and which bodies are shorter.
         sectors: sides of bodies that turn about an axis.
         free: ends at which layers may be thinner.
 
     Returns:
         Tetrahedra and hexahedra of the same order. The boundaries keep their names; those at the
-        ends are called `<body>_back` (z = 0) and `<body>_front` (z = length).
+        ends are called `<body>_back` (where z is least) and `<body>_front`.
     """
-    faces = layer_faces(solid, free)
-    bodies = {
-        name: _extruded_body(body, faces, math.radians(solid.skew), (sectors or {}).get(name))
-        for name, body in mesh.bodies.items()
-    }
+    faces, lean, bodies = layer_faces(solid, free, tuple(mesh.bodies)), math.radians(solid.skew), {}
+    for name, body in mesh.bodies.items():
+        start, end = solid.span(name)
+        own = faces[(faces >= start) & (faces <= end)]
+        bodies[name] = _extruded_body(body, own, lean, (sectors or {}).get(name))
     return replace(mesh, bodies=bodies)
 
 
-def layer_faces(solid: Solid, free: Ends) -> Array:
+def layer_faces(solid: Solid, free: Ends, bodies: Collection[str] = ()) -> Array:
     """(n + 1,) places of the faces of n layers along z, from 0 to the length.
 
-    Layers are `end_size` thick or less at free ends, and each is at most 1.4 times as thick as the
-    one nearer to the end, up to the length over `layers`.
+    Layers are `end_size` thick or less on both sides of a place where a body ends and another one
+    goes on, and at free ends that two bodies share. Each is at most 1.4 times as thick as the one
+    nearer to the end, up to the length over `layers`.
+
+    Args:
+        solid: as of `extrude`.
+        free: likewise.
+        bodies: names of all.
     """
+    spans = [solid.span(name) for name in bodies]
+    cuts = sorted({0.0, solid.length}.union(*spans))
+    thin = [True] * len(cuts)
+    for place, end in ((0, 0), (-1, 1)):
+        alone = solid.spans and sum(span[end] == cuts[place] for span in spans) < 2
+        thin[place] = free[end] and not alone
+    pieces = [
+        first + _graded(second - first, solid, ends)[1:]
+        for (first, second), ends in zip(pairwise(cuts), pairwise(thin), strict=True)
+    ]
+    for piece, end in zip(pieces, cuts[1:], strict=True):
+        piece[-1] = end
+    return np.concatenate([[0.0], *pieces])
+
+
+def _graded(length: float, solid: Solid, thin: Ends) -> Array:
+    """(n + 1,) faces of layers over a length, from 0, thin at some of its ends."""
     largest = solid.length / solid.layers
-    if solid.end_size is None or solid.end_size >= largest or not any(free):
-        return np.linspace(0.0, solid.length, solid.layers + 1)
+    if solid.end_size is None or solid.end_size >= largest or not any(thin):
+        return np.linspace(0.0, length, math.ceil(length / largest - 1e-9) + 1)
     # The size along z is first + _GROWTH * distance, the integral of one over it numbers layers:
     # the first ends at `end_size`.
     first = solid.end_size * _GROWTH / math.expm1(_GROWTH)
@@ -128,15 +152,15 @@ def layer_faces(solid: Solid, free: Ends) -> Array:
         near = first * np.expm1(_GROWTH * np.minimum(number, graded)) / _GROWTH
         return np.asarray(near + largest * np.maximum(number - graded, 0.0))
 
-    both = all(free)
-    count = 2 * number(solid.length / 2) if both else number(solid.length)
+    both = all(thin)
+    count = 2 * number(length / 2) if both else number(length)
     layers = max(math.ceil(count - 1e-9), 1)
     numbers = np.linspace(0.0, count, layers + 1)
     if both:
         half = distance(np.minimum(numbers, numbers[::-1]))
-        return np.where(numbers < count / 2, half, solid.length - half)
-    faces = distance(numbers) * (solid.length / distance(numbers[-1:]))
-    return faces if free[0] else solid.length - faces[::-1]
+        return np.where(numbers < count / 2, half, length - half)
+    faces = distance(numbers) * (length / distance(numbers[-1:]))
+    return faces if thin[0] else length - faces[::-1]
 
 
 def _extruded_body(

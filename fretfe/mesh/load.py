@@ -147,6 +147,10 @@ def _extruded_mesh(case: Case, mesh: Mesh) -> Mesh:
             f"expected no boundaries with the names of the ends, found {', '.join(sorted(taken))}"
         )
         raise CaseError(complaint(case.source, ("geometry", "solid"), text))
+    if unknown := case.geometry.solid.spans.keys() - mesh.bodies.keys():
+        found, known = (", ".join(sorted(each)) for each in (unknown, mesh.bodies))
+        text = f"expected spans of the bodies {known}, found one of {found}"
+        raise CaseError(complaint(case.source, ("geometry", "solid", "spans"), text))
     return extrude(mesh, case.geometry.solid, _sides(case, mesh), _free_ends(case, mesh))
 
 
