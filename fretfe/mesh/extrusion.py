@@ -127,8 +127,8 @@ def layer_faces(solid: Solid, free: Ends, bodies: Collection[str] = ()) -> Array
         first + _graded(second - first, solid, ends)[1:]
         for (first, second), ends in zip(pairwise(cuts), pairwise(thin), strict=True)
     ]
-    for piece, end in zip(pieces, cuts[1:], strict=True):
-        piece[-1] = end
+    for piece, cut in zip(pieces, cuts[1:], strict=True):
+        piece[-1] = cut
     return np.concatenate([[0.0], *pieces])
 
 

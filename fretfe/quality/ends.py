@@ -29,7 +29,7 @@ from fretfe.results.front_ends import (
     end_beside,
     end_near,
     find_end,
-    known_ranges,
+    known_numbers,
     known_stations,
     zone_at,
 )
@@ -103,13 +103,14 @@ class EndNumber:
 
 @dataclass(frozen=True)
 class Meeting:
-    """|ΔK| at a station of the run, and by the sub-model there.
+    """|ΔK| at a station of the run, and by the sub-model there, which has K_N, too.
 
     Attributes:
         station: its name.
         distance: from the end.
         run, run_spread: by the run.
         part, part_spread: by the sub-model.
+        k_n, k_n_spread: K_N by the sub-model; NaN where it has none.
     """
 
     station: str
@@ -118,6 +119,8 @@ class Meeting:
     run_spread: float
     part: float
     part_spread: float
+    k_n: float
+    k_n_spread: float
 
     @property
     def agrees(self) -> bool:
@@ -208,6 +211,12 @@ def nearest_range(run: Result, end: FrontEnd) -> str:
     )
 
 
+def meeting_at(run: Result, station: str) -> Meeting | None:
+    """Numbers at a station by sub-models that agree there; None if there are none."""
+    met = (each for answer in read_answers(run) for each in answer.meetings)
+    return next((each for each in met if each.station == station and each.agrees), None)
+
+
 def _read(path: Path) -> EndAnswer:
     try:
         return restored(EndAnswer, json.loads(path.read_text("utf-8")))
@@ -263,35 +272,42 @@ class Level:
     Attributes:
         rows: of its nodes.
         distance, k_range, k_range_spread: (n,) of stations with a |ΔK|, increasing.
+        k_n, k_n_spread: (n,) K_N there; NaN where there is none.
     """
 
     rows: Rows
     distance: Array
     k_range: Array
     k_range_spread: Array
+    k_n: Array
+    k_n_spread: Array
 
-    def at(self, distance: Array) -> tuple[Array, Array]:
-        """|ΔK| and its bar at distances (n,); NaN where no stations are on both sides."""
+    def at(self, distance: Array) -> tuple[Array, ...]:
+        """|ΔK|, its bar, K_N and its bar at distances (n,); NaN but between stations."""
+        values = self.k_range, self.k_range_spread, self.k_n, self.k_n_spread
         if not len(self.distance):
-            return np.full(len(distance), math.nan), np.full(len(distance), math.nan)
-        k_range, spread = (
-            np.interp(distance, self.distance, each, math.nan, math.nan)
-            for each in (self.k_range, self.k_range_spread)
+            return tuple(np.full(len(distance), math.nan) for _ in values)
+        return tuple(
+            np.interp(distance, self.distance, each, math.nan, math.nan) for each in values
         )
-        return k_range, spread
 
     def sizes(self, distance: Array) -> Array:
         """(n,) lengths of the elements along the front."""
         return np.interp(distance, self.rows.distance, np.gradient(self.rows.distance))
 
     def with_bars(self, coarser: Level) -> Level:
-        """The stations that have |ΔK| in a coarser level too, with the difference in their bars."""
+        """The stations that have |ΔK| in a coarser level too, with the difference in their bars.
+
+        K_N errs by the square of the elements across the front, which are twice as long there.
+        """
         ratio = self.sizes(self.distance) / coarser.sizes(self.distance)
-        difference = np.abs(self.k_range - coarser.at(self.distance)[0])
+        k_range, _, k_n, _ = coarser.at(self.distance)
+        difference = np.abs(self.k_range - k_range)
         spread = np.hypot(self.k_range_spread, ratio / np.maximum(1 - ratio, 0.1) * difference)
+        of_k_n = np.hypot(self.k_n_spread, (self.k_n - k_n) / 3)
         known = np.isfinite(spread)
         return Level(self.rows, *(
-            each[known] for each in (self.distance, self.k_range, spread)
+            each[known] for each in (self.distance, self.k_range, spread, self.k_n, of_k_n)
         ))  # fmt: skip
 
 
@@ -302,7 +318,7 @@ def _level(result: Result, end: FrontEnd, inner: float) -> Level:
             f"{result.directory or result.case.source}: expected a front that ends at {end.name}, "
             "found none: take a larger --radius"
         )
-    return Level(rows_at(result, own, inner), *known_ranges(own))
+    return Level(rows_at(result, own, inner), *known_numbers(own))
 
 
 def _two_zones(end: FrontEnd) -> float:
@@ -450,8 +466,7 @@ def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
 def _meetings(end: FrontEnd, part: Level) -> Iterator[Meeting]:
     """Stations of the run that are near its end, and at which both are known."""
     for distance, station in known_stations(end):
-        (k_range,), (spread,) = part.at(np.array([distance]))
-        if math.isfinite(spread):
+        found = [float(each[0]) for each in part.at(np.array([distance]))]
+        if math.isfinite(found[1]):
             name = end.contact.name_of(station)
-            own = station.k_range, station.k_range_spread
-            yield Meeting(name, distance, *own, float(k_range), float(spread))
+            yield Meeting(name, distance, station.k_range, station.k_range_spread, *found)

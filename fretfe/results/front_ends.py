@@ -120,10 +120,13 @@ def zone_at(end: FrontEnd) -> float:
     return next((each for each in lengths if 0 < each < math.inf), math.nan)
 
 
-def known_ranges(end: FrontEnd) -> Array:
-    """(3, n) distances of these stations, |ΔK| and its error bar."""
-    rows = [(away, each.k_range, each.k_range_spread) for away, each in known_stations(end)]
-    return np.array(rows).reshape(-1, 3).T
+def known_numbers(end: FrontEnd) -> Array:
+    """(5, n) distances of these stations, |ΔK| and K_N, each followed by its error bar."""
+    rows = [
+        (away, each.k_range, each.k_range_spread, *each.decisive_k_n)
+        for away, each in known_stations(end)
+    ]
+    return np.array(rows).reshape(-1, 5).T
 
 
 def _free_end(contact: Contact, front: Front, end: str) -> FrontEnd | None:

@@ -62,13 +62,15 @@ def test_few_rows_have_no_power() -> None:
 
 @pytest.mark.parametrize(("part", "agrees"), [(104.0, True), (107.0, False)])
 def test_a_meeting_counts_both_bars(part: float, agrees: bool) -> None:
-    assert Meeting("main.1.3", 0.5, 100.0, 3.0, part, 4.0).agrees is agrees
+    assert Meeting("main.1.3", 0.5, 100.0, 3.0, part, 4.0, 30.0, 1.0).agrees is agrees
 
 
 def known(size: float, places: Array, error: float) -> Level:
     """|ΔK| = 100 distance^-.15 at some places, wrong by an error in proportion to the elements."""
     k_range = 100.0 * places**-0.15 * (1 + error * size)
-    return Level(level(size, 0.0), places, k_range, np.full(len(places), 0.5))
+    k_n = 10.0 + error * (size / 0.05) ** 2 * np.ones_like(places)
+    half = np.full(len(places), 0.5)
+    return Level(level(size, 0.0), places, k_range, half, k_n, 0.0 * half)
 
 
 @pytest.mark.parametrize("error", [0.0, 0.6, -0.6])
@@ -80,12 +82,13 @@ def test_bars_of_ranges_hold_errors_of_first_order(error: float) -> None:
     np.testing.assert_allclose(found.distance, fine.distance[1:])
     wrong = np.abs(found.k_range - 100.0 * found.distance**-0.15)
     assert (wrong <= found.k_range_spread).all()
+    np.testing.assert_allclose(found.k_n_spread, np.abs(found.k_n - 10.0), atol=1e-12)
     # Between its stations the coarser |ΔK| is that of a chord.
     np.testing.assert_allclose(found.k_range_spread, np.hypot(0.5, wrong), atol=0.3)
 
 
 def test_without_stations_there_are_no_ranges() -> None:
-    none = Level(level(0.1, 0.0), *np.zeros((3, 0)))
+    none = Level(level(0.1, 0.0), *np.zeros((5, 0)))
     assert not len(known(0.05, np.linspace(0.2, 1.0, 9), 0.0).with_bars(none).distance)
     assert not len(none.with_bars(none).distance)
 

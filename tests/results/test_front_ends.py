@@ -10,7 +10,7 @@ import pytest
 from cases.solid_runs import LENGTH, stationed_sphere, straight
 
 from fretfe.errors import CaseError
-from fretfe.results.front_ends import end_beside, end_near, find_end, free_ends, known_ranges
+from fretfe.results.front_ends import end_beside, end_near, find_end, free_ends, known_numbers
 
 
 def test_both_ends_have_names_and_places() -> None:
@@ -28,11 +28,13 @@ def test_both_ends_have_names_and_places() -> None:
 def test_ranges_are_those_of_stations_with_a_meaning() -> None:
     end = find_end(straight(mirrored=False), "main.1.end")
     assert end is not None
-    distance, k_range, spread = known_ranges(end)
+    distance, k_range, spread, *k_n = known_numbers(end)
     # Two stations at each end are too near to it.
     np.testing.assert_allclose(distance, (np.arange(2, 10) + 0.5) / 4)
     np.testing.assert_allclose(k_range, 10.0 - (LENGTH - distance))
     np.testing.assert_array_equal(spread, 0.1)
+    inner = [end.front.stations[number].decisive_k_n for number in range(9, 1, -1)]
+    np.testing.assert_array_equal(np.transpose(k_n), inner)
 
 
 def test_what_is_no_free_end() -> None:

@@ -61,7 +61,7 @@ from fretfe.report.theme import (
     plain_axis,
     say_if_unknown,
 )
-from fretfe.results.front_ends import find_end, known_ranges
+from fretfe.results.front_ends import find_end, known_numbers
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE, Reported
 
@@ -437,7 +437,7 @@ def end_plot(run: Result, answer: EndAnswer, key: str) -> Plot | None:
     """|ΔK| near the end of a front by the run and by both sub-models; None without any."""
     end = find_end(run, answer.name)
     assert end is not None
-    table = known_ranges(end)
+    table = known_numbers(end)
     if not len(answer.distance):
         return None
     table = table[:, table[0] <= 1.5 * answer.distance[-1]]

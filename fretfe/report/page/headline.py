@@ -14,12 +14,12 @@ from fretfe.caution import Kind
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
-from fretfe.quality.ends import nearest_range
+from fretfe.quality.ends import Meeting, meeting_at, nearest_range
 from fretfe.report.source import shown_stations, when
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.front_ends import end_beside
 from fretfe.results.model import Result
-from fretfe.results.quantities import K_N, K_RANGE
+from fretfe.results.quantities import K_N, K_RANGE, Reported
 from fretfe.verdict import Verdict
 
 # An edge that moves by less than this part of a slip zone is in the same place.
@@ -129,8 +129,19 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
         found = _known(with_error(*zone.told), run.unit("length"))
         texts.append(f"d {found}{_counted_from(station)} ({_compared(run, station, verdict)})")
     end = end_beside(run, station)
-    near = "" if end is None else nearest_range(run, end)
+    near = "" if end is None else _by_parts(run, contact, station) + nearest_range(run, end)
     return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}{near}."
+
+
+def _by_parts(run: Result, contact: Contact, station: Station) -> str:
+    """K_N and |ΔK| at a station by sub-models around an end, in words; empty without them."""
+    met = meeting_at(run, contact.name_of(station))
+    if met is None:
+        return ""
+    return (
+        f"; by sub-models there K_N {_known(with_error(met.k_n, met.k_n_spread), run.unit('k_n'))},"
+        f" |ΔK| {with_error(met.part, met.part_spread)} {run.unit('k_t')}"
+    )
 
 
 def _counted_from(station: Station) -> str:
@@ -195,16 +206,18 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
         yield "there is no evaluated cycle"
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"
-    lost = withheld(station)
+    lost, met = withheld(station), meeting_at(run, contact.name_of(station))
     for symbol, quantity in (("K_N", K_N), (_range_symbol(contact, station), K_RANGE)):
-        value, bar = quantity.read(station)
+        value, bar = _better(quantity, station, met)
         ranged = quantity is K_N or (run.loads.cycle is not None and station.friction != 0)
         if math.isnan(value) and ranged:
             yield lost or f"{symbol} is unknown"
         elif value > 0 and bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
     zone, judgement = station.longest_zone, longest_verdict(station)
-    if judgement.verdict is Verdict.NOT_RESOLVED or (zone is not None and not zone.resolved):
+    # What nodes do not show the plane problem next to the station does.
+    shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)
+    if judgement.verdict is Verdict.NOT_RESOLVED or not shown:
         yield "the mesh does not resolve the slip zone"
     elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not lost:
         yield f"the slip zone is compared with nothing: {judgement.reason}"
@@ -214,6 +227,15 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
         yield f"outside the limits of the model ({', '.join(kinds)})"
     if any(each.kind is Kind.FAULT for each in run.warnings):
         yield "an error of fretfe left numbers unknown"
+
+
+def _better(quantity: Reported, station: Station, met: Meeting | None) -> tuple[float, float]:
+    """A number of a station and its bar, by the run or by sub-models that know it better."""
+    value, bar = quantity.read(station)
+    if met is None:
+        return value, bar
+    part = (met.k_n, met.k_n_spread) if quantity is K_N else (met.part, met.part_spread)
+    return part if part[1] < bar or math.isnan(bar) else (value, bar)
 
 
 def _sliding(run: Result) -> str:
