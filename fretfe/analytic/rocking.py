@@ -24,7 +24,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike
-from scipy.special import xlogy
 
 from fretfe._typing import Array, Bools
 from fretfe.analytic._numerics import check_positive, check_range, graded_rule, solve_half_width
@@ -234,6 +233,9 @@ class TabulatedProfile:
 
 def _kernels(x: Array, t: Array, a: Array) -> tuple[Array, Array]:
     """Return the primitives over t of the kernel of the pressure and of t times it, 0 <= x < a."""
+    # Imported where it is needed: SciPy's special functions take a quarter of a second.
+    from scipy.special import xlogy
+
     at_t, at_x = np.sqrt((a - t) * (a + t)), np.sqrt((a - x) * (a + x))
     distance = np.abs((t - x) * (t + x))
     constant = xlogy(t, at_t + at_x) - xlogy(x, (x * at_t + t * at_x) / a)

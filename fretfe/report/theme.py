@@ -35,6 +35,7 @@ from matplotlib.ticker import (
 from fretfe._typing import Array, Indices
 from fretfe.files import replacing
 from fretfe.report.texts import RAISED
+from fretfe.report.ticks import draw_ticks
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
@@ -128,7 +129,7 @@ FRAMED: Any = {
     "legend.fontsize": 8.0,
     "legend.handlelength": 3.0,
 }
-# Intervals of linear axes: ticks take longer than anything else in a plot.
+# Intervals of linear axes.
 TICKS = 5
 # Marks of nodes that lie closer than this part of a panel's diagonal are not drawn.
 SPARSE = 0.012
@@ -187,6 +188,7 @@ def make_figure(width: float, height: float, draw: Callable[[Figure], None]) -> 
             for spine in axes.spines.values():
                 # It ends where its axes do; to find that out takes its ticks anew each time.
                 spine.set_in_layout(False)
+        draw_ticks(figure)
     return figure
 
 

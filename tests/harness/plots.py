@@ -12,6 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import pytest
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from fretfe.report import theme
@@ -35,3 +36,14 @@ def whole_plots() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(theme, "_svg", WHOLE)
         yield
+
+
+def tick_numbers(axes: Axes, which: str) -> list[str]:
+    """Numbers at the ticks of an axis, "x" or "y", which are texts below or left of the axes."""
+    side = {"x": axes.get_xaxis_text1_transform, "y": axes.get_yaxis_text1_transform}[which]
+    _, vertical, horizontal = side(0.0)
+    return [
+        each.get_text()
+        for each in axes.texts
+        if (each.get_verticalalignment(), each.get_horizontalalignment()) == (vertical, horizontal)
+    ]

@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from cases.stored_runs import write_run
-from harness.plots import whole_plots
+from harness.plots import tick_numbers, whole_plots
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -148,11 +148,10 @@ def test_ticks_of_a_boundary_whose_force_is_held(
         replace(run, root_solution=replace(solution, forces=forces, amplitudes=amplitudes))
     )
     left, _ = figures[0].axes
-    figures[0].draw_without_rendering()
-    ticks = [each.get_text() for each in left.get_xticklabels()]
+    ticks = tick_numbers(left, "x")
     assert len(set(ticks)) == len(ticks) > 2
     assert left.get_xlabel() == "displacement [nm]\nplus 0.0193 mm"
-    assert [each.get_text() for each in left.get_yticklabels()] == ["-2900"]
+    assert tick_numbers(left, "y") == ["-2900"]
 
 
 def test_tension_of_round_off_is_not_shown(run: Result) -> None:
@@ -180,10 +179,10 @@ def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run
     held, ramp = figure.axes
     assert [each.get_title(loc="left") for each in figure.axes] == [*loads]
     assert [each.get_ylabel() for each in figure.axes] == ["[N]", "[N]"]
-    assert held.get_yticks().tolist() == [0.0]
+    assert tick_numbers(held, "y") == ["0"]
     figure.draw_without_rendering()
     assert ramp.yaxis.get_offset_text().get_text() == ""
-    assert "200000" in [each.get_text() for each in ramp.get_yticklabels()]
+    assert "200000" in tick_numbers(ramp, "y")
 
 
 @pytest.mark.parametrize("known", [("left", "right"), ("left",), ()], ids=str)
@@ -205,8 +204,8 @@ def test_factors_that_are_unknown_are_said_to_be(run: Result, known: tuple[str, 
         side not in known for side in ("left", "right")
     ]
     for axes in figure.axes:
-        assert texts(axes) == ([] if known else ["unknown: the warnings say why"])
-        assert bool(len(axes.get_yticks())) == bool(known)
+        assert ("unknown: the warnings say why" in texts(axes)) != bool(known)
+        assert bool(tick_numbers(axes, "y")) == bool(known)
 
 
 def test_a_contact_of_one_node_has_room_around_it(shown: Shown) -> None:

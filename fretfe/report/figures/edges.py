@@ -381,7 +381,6 @@ def area_plot(run: Result, area: Contact, key: str) -> Plot:
         pressure.set_ylabel(run.axis_label("largest_pressure"))
         work.set_ylabel(run.axis_label("work"))
         legend_above(areas, columns=2)
-        figure.align_ylabels()
 
     return make_plot(
         f"{key}-areas", f"Areas, pressure and work, contact {area.name}", "", DOUBLE, draw
@@ -427,7 +426,6 @@ def front_plot(run: Result, area: Contact, front: Front, key: str) -> Plot:
             plain_axis(axes, "y")
             say_if_unknown(axes)
         panels[-1].set_xlabel(f"distance along {front.name} [{run.unit('length')}]")
-        figure.align_ylabels()
 
     title = f"{front.name.capitalize()} of contact {area.name}"
     return make_plot(f"{key}-front", title, _half_spaces(front.half_space_ratios), TRIPLE, draw)
@@ -540,7 +538,6 @@ def station_plot(shown: Shown, front: Front, station: Station) -> Plot | None:
     def draw(figure: Figure) -> None:
         top, bottom = figure.subplots(2, 1, sharex=True)
         draw_half_cycle(top, bottom, ends, station.size, units)
-        figure.align_ylabels()
 
     before = "".join(
         f" In the half cycle before it is {_by_plane_problem(station, each, units)}."

@@ -9,6 +9,7 @@ from rich.table import Table
 from fretfe._typing import Array
 from fretfe.case import AnyBody, isotropic
 from fretfe.case.bodies import Crystal
+from fretfe.idealise.bodies import ROUND_OFF, dissimilarity
 from fretfe.materials.moduli import contact_modulus
 from fretfe.report.texts import MISSING, number, plain_table
 from fretfe.results.model import Result
@@ -63,9 +64,6 @@ def _direction(components: Array) -> str:
 
 def pair_table(run: Result) -> Table:
     """One row per contact of the case: friction, E* and Dundurs' β."""
-    # Not with this module: SciPy would come along, while figures are drawn without it.
-    from fretfe.idealise.bodies import ROUND_OFF, dissimilarity
-
     title = f"Pairs: E* in {run.case.units.stress}"
     table = plain_table(title, ("contact", "bodies", "f", "E*", "β"), text=2)
     histories = {each.pair: each for each in run.solution.contacts}
