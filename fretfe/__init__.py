@@ -11,12 +11,12 @@ import importlib
 
 TYPE_CHECKING = False  # that of typing takes a while
 if TYPE_CHECKING:
-    from typing import Any
-
     from fretfe.api import (
+        Case,
         Comparison,
         Observer,
         Result,
+        Sweep,
         assess,
         check,
         compare,
@@ -40,10 +40,14 @@ if TYPE_CHECKING:
         write_submodel,
     )
 
+    __version__: str
+
 __all__ = (
+    "Case",
     "Comparison",
     "Observer",
     "Result",
+    "Sweep",
     "assess",
     "check",
     "compare",
@@ -67,15 +71,16 @@ __all__ = (
     "write_submodel",
 )
 
+if not TYPE_CHECKING:  # else each misspelt name would have a type
 
-def __getattr__(name: str) -> Any:
-    if name == "__version__":
-        from importlib.metadata import version
+    def __getattr__(name: str) -> object:
+        if name == "__version__":
+            from importlib.metadata import version
 
-        return version("fretfe")
-    if name not in __all__:
-        raise AttributeError(f"module 'fretfe' has no attribute {name!r}")
-    return getattr(importlib.import_module("fretfe.api"), name)
+            return version("fretfe")
+        if name not in __all__:
+            raise AttributeError(f"module 'fretfe' has no attribute {name!r}")
+        return getattr(importlib.import_module("fretfe.api"), name)
 
 
 def __dir__() -> list[str]:

@@ -8,13 +8,13 @@ histories; tractions, meshes and files are those of process 0.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fretfe._typing import Array
 from fretfe.backends import Observer
-from fretfe.backends.protocol import SILENT
+from fretfe.backends.protocol import LOG, SILENT
 from fretfe.case import Case, load_case
 from fretfe.checked import Checked, check, make_mesh
 from fretfe.decision.assess import Assessment, assess
@@ -32,12 +32,13 @@ from fretfe.strength.margins import StrengthMap, strength_map
 from fretfe.sweeps import Sweep
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
+    from matplotlib.axes import Axes
 
     from fretfe.exchange.submodel import Submodel
 
 __all__ = [
     "Assessment",
+    "Case",
     "Checked",
     "Comparison",
     "Observer",
@@ -96,6 +97,8 @@ def run(
     """
     runner = Runner.find(backend)
     result = runner.run(case, _folder(output), observer, resume=resume)
+    for each in result.warnings if runner.processes.rank == 0 else ():
+        LOG.warning("%s: %s", case.title or case.source.name, each.sentence)
     directory = result.directory
     if directory is not None:
         drawn = runner.write(lambda: draw_report(directory))
@@ -205,11 +208,18 @@ def _folder(output: Path | str | None) -> Path | None:
     return None if output is None else Path(output)
 
 
-def plot_tractions(result: Result) -> Figure:
+def plot_tractions(result: Result, ax: Axes | Iterable[Axes] | None = None) -> tuple[Axes, ...]:
     """Draw pressure and shear along every contact at the two load extremes.
 
+    Args:
+        result: of plane bodies.
+        ax: axes to draw in, one for each contact; None makes a new figure of pyplot.
+
+    Returns:
+        The axes.
+
     Raises:
-        OutputError: if the bodies are solids, or this is not process 0.
+        OutputError: if the bodies are solids, this is not process 0, or axes are missing.
     """
     if result.solid:
         raise OutputError(
@@ -217,48 +227,103 @@ def plot_tractions(result: Result) -> Figure:
             "the pressure and the shear of their contacts"
         )
     from fretfe.report.figures.tractions import draw_tractions
+    from fretfe.report.theme import SINGLE, draw_in
 
-    return draw_tractions(result.case, result.solution, result.contacts)
+    contacts, solution = result.contacts, result.solution
+
+    def draw(panels: list[Axes]) -> None:
+        draw_tractions(panels, result.case, solution, contacts)
+
+    return draw_in(ax, len(contacts), min(2, len(contacts)), SINGLE, draw)
 
 
-def plot_factors(result: Result) -> Figure:
+def plot_factors(result: Result, ax: Axes | Iterable[Axes] | None = None) -> tuple[Axes, ...]:
     """Draw K_N and K_T of every edge over time.
 
     Of solids it is the station of the largest range of each front.
 
+    Args:
+        result: of plane bodies or of solids.
+        ax: two axes to draw in; None makes a new figure of pyplot.
+
+    Returns:
+        The axes, of K_N and of K_T.
+
     Raises:
-        OutputError: if no station of solids has a range.
+        OutputError: if no station of solids has a range, or these are not two axes.
     """
     from fretfe.report.figures.history import draw_factors
     from fretfe.report.source import shown_stations
+    from fretfe.report.theme import DOUBLE, draw_in
 
     if not shown_stations(result.contacts):
         raise OutputError("expected a station with a known range of K_T and K_S, found none")
-    return draw_factors(result.case, result.loads, result.contacts)
+
+    def draw(panels: list[Axes]) -> None:
+        draw_factors(panels, result.case, result.loads, result.contacts)
+
+    return draw_in(ax, 2, 1, DOUBLE / 2, draw, sharex=True)
 
 
-def plot_comparison(comparison: Comparison) -> Figure:
+def plot_comparison(
+    comparison: Comparison, ax: Axes | Iterable[Axes] | None = None
+) -> tuple[Axes, ...]:
     """Draw pressure and shear of two results over each other, at the load extremes.
 
+    Args:
+        comparison: of two results.
+        ax: two axes to draw in for each contact; None makes a new figure of pyplot.
+
+    Returns:
+        The axes.
+
     Raises:
-        OutputError: if there are no tractions to compare.
+        OutputError: if there are no tractions to compare, or axes are missing.
     """
     if not comparison.tractions:
         raise OutputError(f"expected tractions, found none: {'; '.join(comparison.notes)}")
-    from fretfe.exchange.comparison_files import plot_tractions as draw
+    from fretfe.exchange.comparison_files import compared_contacts, draw_tractions, name_results
+    from fretfe.report.theme import SINGLE, draw_in
 
-    return draw(comparison)
+    def draw(panels: list[Axes]) -> None:
+        draw_tractions(panels, comparison)
+        name_results(panels[0], comparison.labels)
+
+    count = len(compared_contacts(comparison))
+    return draw_in(ax, 2 * count, min(2, count), SINGLE, draw)
 
 
-def plot_strength(found: StrengthMap) -> Figure:
-    """Draw tests, strength and component edges over K_N and ΔK_T."""
-    from fretfe.strength.files import plot_strength as draw
+def plot_strength(found: StrengthMap, ax: Axes | None = None) -> Axes:
+    """Draw tests, strength and component edges over K_N and ΔK_T, and return the axes.
 
-    return draw(found)
+    Args:
+        found: from `strength_map`.
+        ax: to draw in; None makes a new figure of pyplot.
+    """
+    from fretfe.report.theme import draw_in
+    from fretfe.strength.files import HEIGHT, draw_strength
+
+    return draw_in(ax, 1, 1, HEIGHT, lambda panels: draw_strength(panels[0], found))[0]
 
 
-def plot_loads(result: Result) -> Figure:
-    """Draw all loads over time."""
+def plot_loads(result: Result, ax: Axes | Iterable[Axes] | None = None) -> tuple[Axes, ...]:
+    """Draw all loads over time, and return the axes.
+
+    Args:
+        result: of a case with loads.
+        ax: axes to draw in, one for each load; None makes a new figure of pyplot.
+
+    Raises:
+        OutputError: if there are no loads, or axes are missing.
+    """
     from fretfe.report.figures.history import draw_loads
+    from fretfe.report.theme import LOAD, draw_in
 
-    return draw_loads(result.case, result.loads)
+    count = len(result.loads.channels)
+    if not count:
+        raise OutputError("expected loads, found none")
+
+    def draw(panels: list[Axes]) -> None:
+        draw_loads(panels, result.case, result.loads)
+
+    return draw_in(ax, count, 1, LOAD * (1 + 0.4 / count), draw, sharex=True)

@@ -6,6 +6,7 @@ from __future__ import annotations
 import csv
 import importlib.metadata
 import json
+import logging
 import sys
 import tomllib
 from pathlib import Path
@@ -16,13 +17,13 @@ import pytest
 from cases.pad_cases import HERTZ
 from harness.launch import python
 from harness.told import Told
-from matplotlib.figure import Figure
+from matplotlib import pyplot as plt
 
 import fretfe
 from fretfe.api import Result
 from fretfe.case import changed
 from fretfe.cli.run import run as run_case
-from fretfe.errors import CaseError, DependencyError, ModelError, StoppedError
+from fretfe.errors import CaseError, DependencyError, ModelError, OutputError, StoppedError
 
 FRICTION = "contacts.main.friction"
 
@@ -119,14 +120,66 @@ def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:
         solved.history("main", "middle")
 
 
-@pytest.mark.parametrize(
-    ("name", "panels"), [("plot_tractions", 1), ("plot_factors", 2), ("plot_loads", 2)]
-)
-def test_figures(solved: Result, name: str, panels: int) -> None:
-    figure = getattr(fretfe, name)(solved)
-    assert isinstance(figure, Figure)
-    assert len(figure.axes) == panels
-    assert all(panel.get_ylabel() for panel in figure.axes)
+@pytest.mark.parametrize(("kind", "panels"), [("tractions", 1), ("factors", 2), ("loads", 2)])
+def test_plots_draw_in_new_axes_or_in_those_given(solved: Result, kind: Any, panels: int) -> None:
+    drawn = solved.plot(kind)
+    assert len(drawn) == panels and all(axes.get_ylabel() for axes in drawn)
+    assert drawn[0].figure.number in plt.get_fignums()
+    figure, given = plt.subplots(1, panels, squeeze=False)
+    again = getattr(fretfe, f"plot_{kind}")(solved, given[0])
+    assert list(again) == figure.axes == list(given[0])
+    for one, two in zip(drawn, again, strict=True):
+        assert [each.get_label() for each in one.lines] == [each.get_label() for each in two.lines]
+        np.testing.assert_array_equal(one.lines[0].get_ydata(), two.lines[0].get_ydata())
+    plt.close("all")
+
+
+def test_plots_in_the_wrong_number_of_axes_or_of_something_else(solved: Result) -> None:
+    with pytest.raises(OutputError, match="expected 2 axes, one for each panel, found 1"):
+        fretfe.plot_factors(solved, plt.figure().subplots())
+    plt.close("all")
+    with pytest.raises(OutputError, match="expected one of tractions, factors, loads, found 'k_n'"):
+        solved.plot("k_n")  # type: ignore[arg-type]
+
+
+def test_logs_of_a_run(pad: Path, caplog: pytest.LogCaptureFixture) -> None:
+    with caplog.at_level(logging.DEBUG, "fretfe"):
+        result = fretfe.run(fretfe.load_case(pad, {"loads.shear.amplitude": 30}), "halfplane")
+    told = [each.getMessage() for each in caplog.records if each.name == "fretfe"]
+    assert [each for each in told if each.startswith("step 20 of 20: ")]
+    warned = [each for each in caplog.records if each.levelno == logging.WARNING]
+    assert len(warned) == len(result.warnings)
+
+
+USER_SCRIPT = """
+import fretfe
+
+class Dots(fretfe.Observer):
+    def step(self, number: int, count: int, text: str) -> None:
+        print(".", end="")
+
+def longest(case: fretfe.Case, frictions: list[float]) -> float:
+    sweep: fretfe.Sweep = fretfe.sweep(case, {"contacts.main.friction": frictions}, "halfplane")
+    return max(float(record["slip_2"]) for record in sweep.records())
+
+case = fretfe.load_case("pad.toml", {"loads.shear.amplitude": 30.0})
+result: fretfe.Result = fretfe.run(case, backend="halfplane", observer=Dots())
+axes = result.plot("loads")
+fretfe.plot_factors(result, axes)[0].set_title(f"{result.history('main', 'left')['k_n'].max()}")
+print(longest(case, [0.4, 0.6]), fretfe.__version__)
+"""
+
+
+@pytest.mark.slow
+def test_a_script_of_a_user_passes_strict_checks_of_types(tmp_path: Path) -> None:
+    """One with a mistake does not."""
+    pytest.importorskip("mypy")
+    (tmp_path / "user.py").write_text(USER_SCRIPT)
+    (tmp_path / "wrong.py").write_text("import fretfe\nfretfe.rum()\nfretfe.run(3)\n")
+    paths = tmp_path / "user.py", tmp_path / "wrong.py"
+    done = python("-m", "mypy", "--strict", "--cache-dir", tmp_path, *paths, timeout=280)
+    found = [line for line in done.stdout.splitlines() if " error: " in line]
+    assert len(found) == 2 and all("wrong.py" in line for line in found), done.stdout
 
 
 def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
@@ -144,16 +197,17 @@ def test_loads_have_the_units_of_their_histories(pad: Path) -> None:
         "units.force": "kN",
     }
     result = fretfe.run(fretfe.load_case(pad, overrides), "halfplane")
-    figure = fretfe.plot_loads(result)
-    labels = [f"{panel.get_title(loc='left')} {panel.get_ylabel()}" for panel in figure.axes]
+    panels = fretfe.plot_loads(result)
+    labels = [f"{panel.get_title(loc='left')} {panel.get_ylabel()}" for panel in panels]
     assert labels == ["press [kN]", "shear [kN]", "pull [GPa]"]
 
 
-def test_notebooks_show_a_table_in_which_nothing_is_markup(pad: Path) -> None:
-    case = fretfe.load_case(pad, {"title": "<b>P & Q</b>"})
+def test_notebooks_show_a_card_in_which_nothing_is_markup(pad: Path) -> None:
+    case = fretfe.load_case(pad, {"title": "<i>P & Q</i>"})
     text = fretfe.run(case, backend="halfplane")._repr_html_()
-    assert "<b>" not in text and "&lt;b&gt;P &amp; Q&lt;/b&gt; (halfplane)" in text
+    assert "<i>" not in text and "&lt;i&gt;P &amp; Q&lt;/i&gt;" in text and "by halfplane" in text
     assert text.count("<tr>") == 3 and text.count("<td>main</td>") == 2
+    assert "<th>k_n [MPa/√mm]</th>" in text and "20 states" not in text and "21 states" in text
 
 
 def test_output_is_that_of_the_command(pad: Path, tmp_path: Path) -> None:
@@ -202,6 +256,12 @@ def test_edges_as_a_data_frame(solved: Result) -> None:
     assert list(table.columns) == list(solved.edges()[0])
     assert list(table["edge"]) == ["left", "right"]
     assert table["k_n"][1] == solved.contacts[0].stations[1].k_n[-1]
+    units = table.attrs["units"]
+    assert list(units) == list(table.columns)
+    assert (units["k_n"], units["k_t_range"], units["slip_2"]) == ("MPa/√mm", "MPa·√mm", "mm")
+    stations = solved.to_dataframe(stations=True)
+    assert list(stations.attrs["units"]) == list(stations.columns)
+    assert stations["k_n"][1] == table["k_n"][1] and stations.attrs["units"]["stick_border"] == "mm"
 
 
 def test_histories_and_tractions_as_a_dataset(solved: Result) -> None:

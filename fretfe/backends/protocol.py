@@ -6,6 +6,7 @@ A backend turns a case into the histories of its contacts.
 
 from __future__ import annotations
 
+import logging
 import signal
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -24,6 +25,9 @@ from fretfe.results.model import Result
 
 T = TypeVar("T")
 GROUP = "fretfe.backends"
+# What an observer notes goes here too; without a handler of the program nothing is printed.
+LOG = logging.getLogger("fretfe")
+LOG.addHandler(logging.NullHandler())
 OWN = ("halfplane", "fem")
 # What takes the place of a backend of earlier versions.
 GONE = {"analytic": "'halfplane' solves the same cases, and fretfe.analytic has closed forms"}
@@ -112,6 +116,7 @@ class RunOptions:
         Raises:
             StoppedError: if the observer wants the history to end here; the steps are kept.
         """
+        LOG.debug("step %d of %d: %s", number, count, text)
         self.observer.step(number, count, text)
         reason = self.observer.stop() if number < count else None
         if reason is not None:
@@ -127,10 +132,17 @@ class RunOptions:
 
     def doing(self, text: str) -> None:
         """Report what is being done besides steps, on rank 0."""
+        LOG.info("%s", text)
         self.observer.doing(text)
+
+    def phase(self, text: str) -> None:
+        """Report that one of several runs begins, on rank 0."""
+        LOG.info("%s", text)
+        self.observer.phase(text)
 
     def announce(self, text: str) -> None:
         """Report what begins or has ended besides steps, on rank 0."""
+        LOG.info("%s", text)
         self.observer.announce(text)
 
 

@@ -47,17 +47,27 @@ HISTORY_KEYS = ("contact", "edge", "quantity", "unit", "common", "difference")
 
 def plot_tractions(comparison: Comparison) -> Figure:
     """Pressure and shear along every contact at the load extremes, one row per contact."""
-    contacts = list(dict.fromkeys(each.contact for each in comparison.tractions))
     with mpl.rc_context(STYLE):
-        figure, rows = _grid(len(contacts), 2)
-        for contact, panels in zip(contacts, rows, strict=True):
-            pairs = [each for each in comparison.tractions if each.contact == contact]
-            for panel, pair in zip(panels, pairs, strict=False):
-                _draw_tractions(panel, comparison, pair)
-            for panel in panels[len(pairs) :]:
-                panel.set_axis_off()
-        _name_results(figure, comparison.labels)
+        figure, rows = _grid(len(compared_contacts(comparison)), 2)
+        draw_tractions([panel for row in rows for panel in row], comparison)
+        name_results(figure.axes[0], comparison.labels)
     return figure
+
+
+def compared_contacts(comparison: Comparison) -> list[str]:
+    """Names of the contacts with tractions."""
+    return list(dict.fromkeys(each.contact for each in comparison.tractions))
+
+
+def draw_tractions(panels: Sequence[Axes], comparison: Comparison) -> None:
+    """Draw pressure and shear at the load extremes, two panels for each contact."""
+    for place, contact in enumerate(compared_contacts(comparison)):
+        own = panels[2 * place : 2 * place + 2]
+        pairs = [each for each in comparison.tractions if each.contact == contact]
+        for panel, pair in zip(own, pairs, strict=False):
+            _draw_tractions(panel, comparison, pair)
+        for panel in own[len(pairs) :]:
+            panel.set_axis_off()
 
 
 def plot_histories(comparison: Comparison) -> Figure:
@@ -77,7 +87,7 @@ def plot_histories(comparison: Comparison) -> Figure:
                     _draw_histories(panel, comparison, own)
                 else:
                     panel.set_axis_off()
-        _name_results(figure, comparison.labels)
+        name_results(figure.axes[0], comparison.labels)
     return figure
 
 
@@ -144,11 +154,10 @@ def _grid(contacts: int, panels: int) -> tuple[Figure, Sequence[Sequence[Axes]]]
     return figure, list(figure.subplots(contacts, panels))
 
 
-def _name_results(figure: Figure, labels: tuple[str, str]) -> None:
-    """A legend of the two results outside of the panels."""
-    axes = figure.axes[0]
+def name_results(axes: Axes, labels: tuple[str, str]) -> None:
+    """A legend of the two results outside of the panels, of which one is given."""
     handles = [axes.plot([], [], color=GREY, **style)[0] for style in (FIRST, SECOND)]
-    figure.legend(handles, labels, loc="outside upper center", ncols=2)
+    axes.figure.legend(handles, labels, loc="outside upper center", ncols=2)
 
 
 def _draw_tractions(panel: Axes, comparison: Comparison, pair: TractionPair) -> None:

@@ -118,7 +118,7 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         FretfeError: if the case itself cannot be solved.
     """
     with closing(backend.session()) as session:
-        options.observer.phase("the case itself")
+        options.phase("the case itself")
         result = session.solve(case, options)
         if result.failure is not None:
             raise result.failure
@@ -127,9 +127,9 @@ def validate(case: Case, backend: Backend, options: RunOptions = DEFAULTS) -> Va
         rows = on_root(lambda: _own_rows(result))
         variants, reasons = on_root(lambda: make_variants(case, result))
         rows += [EVERYWHERE.missing(name, reason) for name, reason in reasons.items()]
-        options.observer.phase(plan(variants, result))
+        options.phase(plan(variants, result))
         for variant in variants:
-            options.observer.phase(variant.name)
+            options.phase(variant.name)
             other = _companion(variant, session, companion_options(options, variant))
             rows += on_root(partial(_rows_of, variant.name, result, other))
     return Validation(result, tuple(rows))

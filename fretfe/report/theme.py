@@ -11,7 +11,7 @@ from __future__ import annotations
 import io
 import re
 import warnings
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -33,6 +33,7 @@ from matplotlib.ticker import (
 )
 
 from fretfe._typing import Array, Indices
+from fretfe.errors import OutputError
 from fretfe.files import replacing
 from fretfe.report.texts import RAISED
 from fretfe.report.ticks import draw_ticks
@@ -182,14 +183,63 @@ def make_figure(width: float, height: float, draw: Callable[[Figure], None]) -> 
         figure = Figure(figsize=(width, height), layout="constrained")
         draw(figure)
         for axes in figure.axes:
-            for axis in (axes.xaxis, axes.yaxis):
-                if isinstance(locator := axis.get_major_locator(), AutoLocator):
-                    locator.set_params(nbins=TICKS)
-            for spine in axes.spines.values():
-                # It ends where its axes do; to find that out takes its ticks anew each time.
-                spine.set_in_layout(False)
+            _finish(axes)
         draw_ticks(figure)
     return figure
+
+
+def _finish(axes: Axes) -> None:
+    for axis in (axes.xaxis, axes.yaxis):
+        if isinstance(locator := axis.get_major_locator(), AutoLocator):
+            locator.set_params(nbins=TICKS)
+    for spine in axes.spines.values():
+        # It ends where its axes do; to find that out takes its ticks anew each time.
+        spine.set_in_layout(False)
+
+
+def draw_in(
+    ax: Axes | Iterable[Axes] | None,
+    count: int,
+    columns: int,
+    height: float,
+    draw: Callable[[list[Axes]], None],
+    *,
+    sharex: bool = False,
+) -> tuple[Axes, ...]:
+    """Draw in axes of a user, or in a new figure of pyplot, which notebooks and `show` display.
+
+    Args:
+        ax: the axes, or None for a new figure.
+        count: of panels.
+        columns: of a new figure.
+        height: of each of its rows in inches.
+        draw: draws into the panels.
+        sharex: whether the panels of a new figure have one axis across.
+
+    Returns:
+        The panels.
+
+    Raises:
+        OutputError: if the axes are more or fewer.
+    """
+    with mpl.rc_context(STYLE):
+        if ax is None:
+            from matplotlib import pyplot as plt
+
+            rows = -(-count // columns)
+            figure = plt.figure(figsize=(WIDTH * columns, height * rows), layout="constrained")
+            every = figure.subplots(rows, columns, sharex=sharex, squeeze=False).ravel()
+            panels = list(every[:count])
+            for panel in every[count:]:
+                panel.remove()
+        else:
+            panels = [ax] if isinstance(ax, Axes) else list(ax)
+        if len(panels) != count:
+            raise OutputError(f"ax: expected {count} axes, one for each panel, found {len(panels)}")
+        draw(panels)
+        for axes in panels:
+            _finish(axes)
+    return tuple(panels)
 
 
 def _svg(figure: Figure, key: str) -> str:

@@ -8,10 +8,10 @@ from __future__ import annotations
 
 import html
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 from fretfe._typing import Array
 from fretfe.case import Case
@@ -32,12 +32,26 @@ from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
-from fretfe.results.quantities import axis_label, unit
-from fretfe.results.tables import edge_records, make_dataset, require, solid_records
+from fretfe.results.quantities import EDGES, SOLIDS, STATIONS, axis_label, unit
+from fretfe.results.tables import (
+    edge_records,
+    make_dataset,
+    require,
+    solid_records,
+    station_records,
+)
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
+
+# Columns of the card in a notebook, those that there are.
+CARD = {
+    "contact", "edge", "half_width", "k_n", "k_n_spread", "k_t_range", "k_t_range_spread",
+    "slip_2", "slip_2_spread", "steady", "normal_force", "contact_area", "stick_area",
+    "largest_pressure", "dissipation",
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -288,14 +302,38 @@ class Result:
         )
         return first, second
 
-    def to_dataframe(self) -> pd.DataFrame:
-        """The flat records as a table.
+    def to_dataframe(self, *, stations: bool = False) -> pd.DataFrame:
+        """The flat records as a table, with the units of its columns as ``attrs["units"]``.
+
+        Args:
+            stations: whether it has a row for each station, with all of its numbers, in place of
+                those of `records`.
 
         Raises:
             DependencyError: if pandas is not installed.
         """
-        table: pd.DataFrame = require("pandas").DataFrame(self.records())
+        columns = STATIONS if stations else SOLIDS if self.solid else EDGES
+        rows = station_records(self.contacts) if stations else self.records()
+        table: pd.DataFrame = require("pandas").DataFrame(rows)
+        table.attrs["units"] = {each.name: self.unit(each.kind) for each in columns}
         return table
+
+    def plot(
+        self,
+        kind: Literal["tractions", "factors", "loads"] = "factors",
+        ax: Axes | Iterable[Axes] | None = None,
+    ) -> tuple[Axes, ...]:
+        """Draw what `fretfe.plot_tractions`, `plot_factors` or `plot_loads` draws."""
+        import fretfe  # results stand before what draws them: the interface finds it
+
+        draw = {
+            "tractions": fretfe.plot_tractions,
+            "factors": fretfe.plot_factors,
+            "loads": fretfe.plot_loads,
+        }
+        if kind not in draw:
+            raise OutputError(f"kind: expected one of {', '.join(draw)}, found {kind!r}")
+        return draw[kind](self, ax)
 
     def to_xarray(self) -> xr.Dataset:
         """Histories of loads, contacts and stations, and the tractions, with named dimensions.
@@ -324,15 +362,21 @@ class Result:
         )
 
     def _repr_html_(self) -> str:
-        """The edges, or the contacts of solids, as a table for notebooks."""
-        records = self.records()
-        head = "".join(f"<th>{html.escape(name)}</th>" for name in records[0])
-        rows = "".join(
-            "<tr>" + "".join(f"<td>{_cell(value)}</td>" for value in record.values()) + "</tr>"
-            for record in records
+        """A card for notebooks: the lines of `repr`, main numbers with units, and warnings."""
+        columns = [each for each in (SOLIDS if self.solid else EDGES) if each.name in CARD]
+        units = (self.unit(each.kind) for each in columns)
+        head = "".join(
+            f"<th>{html.escape(f'{each.name} [{unit}]' if unit else each.name)}</th>"
+            for each, unit in zip(columns, units, strict=True)
         )
-        title = html.escape(f"{self.case.title or self.case.source.name} ({self.backend})")
-        return f"<table><caption>{title}</caption><tr>{head}</tr>{rows}</table>"
+        rows = "".join(
+            f"<tr>{''.join(f'<td>{_cell(record[each.name])}</td>' for each in columns)}</tr>"
+            for record in self.records()
+        )
+        title, *lines = (html.escape(line.strip()) for line in repr(self).splitlines())
+        warnings = "".join(f"<br>{html.escape(each.sentence)}" for each in self.warnings)
+        table = f"<table><tr>{head}</tr>{rows}</table>" if rows else ""
+        return f"<b>{title}</b><br>{'<br>'.join(lines)}{table}<small>{warnings}</small>"
 
 
 def _cell(value: Any) -> str:

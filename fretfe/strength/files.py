@@ -64,19 +64,24 @@ PICTURE = "strength.png"
 
 def plot_strength(found: StrengthMap) -> Figure:
     """Failures and run-outs of the tests, the strength at the life, and the edges."""
-    units = found.tests.units
     with mpl.rc_context(STYLE):
         figure = Figure(figsize=(WIDTH, HEIGHT), layout="constrained")
-        axes = figure.subplots()
-        _draw_tests(figure, axes, found)
-        for fit in found.fits:
-            _draw_fit(axes, found, fit)
-        _draw_edges(axes, found)
-        _limit(axes, found)
-        axes.set_xlabel(axis_label("k_n", units, solid=False))
-        axes.set_ylabel(axis_label("k_t_range", units, solid=False))
-        figure.legend(loc="outside upper center", ncols=2)
+        draw_strength(figure.subplots(), found)
     return figure
+
+
+def draw_strength(axes: Axes, found: StrengthMap) -> None:
+    """Draw a strength map, with its legend outside of the axes."""
+    units = found.tests.units
+    _draw_tests(axes, found)
+    for fit in found.fits:
+        _draw_fit(axes, found, fit)
+    _draw_edges(axes, found)
+    _limit(axes, found)
+    axes.set_xlabel(axis_label("k_n", units, solid=False))
+    axes.set_ylabel(axis_label("k_t_range", units, solid=False))
+    handles, labels = axes.get_legend_handles_labels()
+    axes.figure.legend(handles, labels, loc="outside upper center", ncols=2)
 
 
 def write_strength(found: StrengthMap, path: Path) -> None:
@@ -85,7 +90,7 @@ def write_strength(found: StrengthMap, path: Path) -> None:
         save_figure(plot_strength(found), path)
 
 
-def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:
+def _draw_tests(axes: Axes, found: StrengthMap) -> None:
     tests = found.tests
     lives = LogNorm(tests.life.min(), max(tests.life.max(), 1.01 * tests.life.min()))
     failed, ended = ~tests.runout & tests.inside, tests.runout & tests.inside
@@ -103,7 +108,7 @@ def _draw_tests(figure: Figure, axes: Axes, found: StrengthMap) -> None:
             tests.k_n[~tests.inside], tests.k_t_range[~tests.inside], s=26, marker="x", color=GREY,
             linewidths=1.1, label="test outside the edge formulas", zorder=2,
         )  # fmt: skip
-    bar = figure.colorbar(image, ax=axes, label="life of failed tests [cycles]", pad=0.02)
+    bar = axes.figure.colorbar(image, ax=axes, label="life of failed tests [cycles]", pad=0.02)
     bar.ax.yaxis.set_major_formatter(FuncFormatter(lambda life, _: number(life, 1)))
     bar.ax.yaxis.set_minor_formatter(FuncFormatter(lambda *_: ""))
 

@@ -26,6 +26,7 @@ from fretfe.report.figures.history import (
     draw_factors,
     draw_loads,
     loop_area,
+    rows_of,
     without_slope,
     work_loop_plots,
 )
@@ -175,7 +176,9 @@ def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run
     values = np.stack([0 * run.loads.times, 2.5e5 * run.loads.times], axis=1)
     loads = {f"{key}_of_a_long_name": run.case.loads["press"] for key in ("held", "ramp")}
     case = run.case.model_copy(update={"loads": loads})
-    figure = draw_loads(case, replace(run.loads, channels=tuple(loads), values=values))
+    figure = Figure()
+    history = replace(run.loads, channels=tuple(loads), values=values)
+    draw_loads(rows_of(figure, 2), case, history)
     held, ramp = figure.axes
     assert [each.get_title(loc="left") for each in figure.axes] == [*loads]
     assert [each.get_ylabel() for each in figure.axes] == ["[N]", "[N]"]
@@ -198,7 +201,8 @@ def test_factors_that_are_unknown_are_said_to_be(run: Result, known: tuple[str, 
         )
         for front in contact.fronts
     )
-    figure = draw_factors(run.case, run.loads, (replace(contact, fronts=fronts),))
+    figure = Figure()
+    draw_factors(rows_of(figure, 2), run.case, run.loads, (replace(contact, fronts=fronts),))
     labels = figure.axes[0].get_legend_handles_labels()[1]
     assert [label.endswith(", unknown") for label in labels] == [
         side not in known for side in ("left", "right")

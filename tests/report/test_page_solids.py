@@ -148,8 +148,8 @@ def test_histories_of_stations(with_front: Result) -> None:
 
 
 def test_factors_are_those_of_the_worst_station(with_front: Result) -> None:
-    figure = fretfe.plot_factors(with_front)
-    (line, *_) = figure.axes[0].lines
+    of_k_n, _ = fretfe.plot_factors(with_front)
+    (line, *_) = of_k_n.lines
     assert line.get_label() == "front 1, station 11"
     np.testing.assert_array_equal(line.get_ydata(), with_front.contacts[0].stations[11].k_n)
 

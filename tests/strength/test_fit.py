@@ -15,6 +15,7 @@ import pytest
 from cases.solid_runs import solid_result, surface, write_solid
 from cases.stored_runs import solved, write_run
 from harness.launch import fretfe as command
+from matplotlib import pyplot as plt
 from scipy import stats
 
 import fretfe
@@ -469,7 +470,9 @@ def test_command(tests: Path, tmp_path: Path) -> None:
 def test_figure(tests: Path) -> None:
     found = fretfe.strength_map(tests, [solved("halfplane")], LIFE)
     assert isinstance(found, StrengthMap)
-    (axes, _) = fretfe.plot_strength(found).axes
+    figure, given = plt.subplots(layout="constrained")
+    axes = fretfe.plot_strength(found, given)
+    assert axes is given and len(figure.axes) == 2
     assert axes.get_xlabel() == "K_N [MPa/√mm]" and axes.get_ylabel() == "ΔK_T [MPa·√mm]"
     low, high = axes.get_ylim()
     assert low < found.tests.k_t_range.min() and high > found.tests.k_t_range.max()

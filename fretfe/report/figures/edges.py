@@ -37,7 +37,7 @@ from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
 from fretfe.quality.ends import EndAnswer
-from fretfe.report.figures.history import time_panels
+from fretfe.report.figures.history import rows_of, time_panels
 from fretfe.report.page.ends import end_lines
 from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.texts import MISSING, number, with_error
@@ -359,7 +359,8 @@ def force_plot(run: Result, area: Contact, key: str) -> Plot:
     """P above the components of Q."""
 
     def draw(figure: Figure) -> None:
-        normal, shear = time_panels(figure, 2, run.case, run.loads)
+        panels = normal, shear = rows_of(figure, 2)
+        time_panels(panels, run.case, run.loads)
         _lines(normal, run, {"P": area.normal_force})
         _lines(shear, run, dict(zip(("Q_x", "Q_y", "Q_z"), area.shear_force.T, strict=True)))
         normal.set_ylabel(run.axis_label("normal_force"))
@@ -373,7 +374,8 @@ def area_plot(run: Result, area: Contact, key: str) -> Plot:
     """Areas, largest pressure and friction work, below each other."""
 
     def draw(figure: Figure) -> None:
-        areas, pressure, work = time_panels(figure, 3, run.case, run.loads)
+        panels = areas, pressure, work = rows_of(figure, 3)
+        time_panels(panels, run.case, run.loads)
         _lines(areas, run, {"in contact": area.contact_area, "sticks": area.stick_area})
         _lines(pressure, run, {"p_max": area.largest_pressure})
         _lines(work, run, {"work": area.work})

@@ -36,11 +36,9 @@ from fretfe.report.theme import (
     SINGLE,
     SMALL_TEXT,
     SPARSE,
-    WIDTH,
     Plot,
     envelope,
     legend_above,
-    make_figure,
     make_plot,
     plain_axis,
     say_if_unknown,
@@ -86,18 +84,14 @@ def load_plot(run: Result) -> Plot | None:
     caption = "As prescribed in the case; each dot is a load step."
     height = LOAD * (len(run.loads.channels) + 0.4)
     return make_plot(
-        "loads", "Loads", caption, height, lambda figure: _draw_loads(figure, run.case, run.loads)
-    )
+        "loads", "Loads", caption, height,
+        lambda figure: draw_loads(rows_of(figure, len(run.loads.channels)), run.case, run.loads),
+    )  # fmt: skip
 
 
-def draw_loads(case: Case, history: History) -> Figure:
+def draw_loads(panels: list[Axes], case: Case, history: History) -> None:
     """One panel for each load, in the units of its history; the evaluated cycle is shaded."""
-    height = LOAD * (len(history.channels) + 0.4)
-    return make_figure(WIDTH, height, lambda figure: _draw_loads(figure, case, history))
-
-
-def _draw_loads(figure: Figure, case: Case, history: History) -> None:
-    panels = time_panels(figure, len(history.channels), case, history)
+    time_panels(panels, case, history)
     for panel, name, values in zip(panels, history.channels, history.values.T, strict=True):
         shown = envelope(values)
         mark = ".-" if len(shown) == len(values) else "-"
@@ -116,31 +110,24 @@ def factor_plot(run: Result, contact: Contact, key: str) -> Plot:
     def draw(figure: Figure) -> None:
         sheared = any(np.any(edge.k_s) for edge in contact.edges)
         names = ("k_t", "k_s", "k_i") if sheared else ("k_t", "k_i")
-        _draw_factors(figure, run.case, run.loads, (contact,), names)
+        draw_factors(rows_of(figure, len(names)), run.case, run.loads, (contact,), names)
 
     return make_plot(f"{key}-factors", f"Contact {contact.name}", "", DOUBLE, draw)
 
 
-def draw_factors(case: Case, history: History, contacts: tuple[Contact, ...]) -> Figure:
-    """K_N above K_T of every edge; the evaluated cycle is shaded."""
-    names = ("k_n", "k_t")
-    return make_figure(
-        WIDTH, DOUBLE, lambda figure: _draw_factors(figure, case, history, contacts, names)
-    )
-
-
-def _draw_factors(
-    figure: Figure,
+def draw_factors(
+    panels: list[Axes],
     case: Case,
     history: History,
     contacts: tuple[Contact, ...],
-    names: Sequence[str],
+    names: Sequence[str] = ("k_n", "k_t"),
 ) -> None:
     """One panel for each factor, by the name of its attribute, with a line for each edge.
 
-    Of solids there is one for the station of the largest range of each front.
+    Of solids there is one for the station of the largest range of each front. The evaluated cycle
+    is shaded.
     """
-    panels = time_panels(figure, len(names), case, history)
+    time_panels(panels, case, history)
     edges = shown_stations(contacts)
     for panel, name in zip(panels, names, strict=True):
         for place, (contact, edge) in enumerate(edges):
@@ -165,16 +152,19 @@ def _draw_factors(
     legend_above(panels[0], columns=2)
 
 
-def time_panels(figure: Figure, count: int, case: Case, history: History) -> list[Axes]:
-    """Panels over time with the evaluated cycle shaded, below each other."""
-    panels = list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
+def rows_of(figure: Figure, count: int) -> list[Axes]:
+    """Panels of one figure below each other, with one axis across."""
+    return list(figure.subplots(count, 1, sharex=True, squeeze=False)[:, 0])
+
+
+def time_panels(panels: list[Axes], case: Case, history: History) -> None:
+    """Have panels below each other be over time, with the evaluated cycle shaded."""
     for panel in panels:
         panel.set_xlim(0.0, history.times[-1] or 1.0)
         if history.cycle is not None:
             first, last = history.cycle
             panel.axvspan(history.times[first], history.times[last], color=PALE, alpha=0.6, lw=0)
     panels[-1].set_xlabel(f"time [{case.units.time}]")
-    return panels
 
 
 def path_plot(run: Result, contact: Contact, key: str) -> Plot:

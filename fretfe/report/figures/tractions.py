@@ -39,12 +39,10 @@ from fretfe.report.theme import (
     SKY,
     SPARSE,
     VERMILLION,
-    WIDTH,
     Plot,
     envelope,
     finish_edge_column,
     legend_above,
-    make_figure,
     make_plot,
     plain_axis,
     say,
@@ -127,22 +125,15 @@ def traction_plot(shown: Shown) -> Plot:
     return make_plot(f"{shown.key}-tractions", shown.title, "", SINGLE, draw)
 
 
-def draw_tractions(case: Case, solution: Solution, contacts: tuple[Contact, ...]) -> Figure:
+def draw_tractions(
+    panels: list[Axes], case: Case, solution: Solution, contacts: tuple[Contact, ...]
+) -> None:
     """Draw p, f p and q along every contact at the two load extremes, one panel per contact."""
-    columns = min(2, len(contacts))
-    rows = -(-len(contacts) // columns)
-
-    def draw(figure: Figure) -> None:
-        panels = figure.subplots(rows, columns, squeeze=False).ravel()
-        for panel, history, summary in zip(panels, solution.contacts, contacts, strict=False):
-            _draw_contact(panel, case, solution, history, summary)
-            title = f"{summary.name}: {history.body1} on {history.body2}"
-            lines = len(panel.get_legend_handles_labels()[1]) // 2
-            panel.set_title(title, loc="left", pad=TITLE_PAD * lines)
-        for panel in panels[len(contacts) :]:
-            panel.set_axis_off()
-
-    return make_figure(WIDTH * columns, SINGLE * rows, draw)
+    for panel, history, summary in zip(panels, solution.contacts, contacts, strict=True):
+        _draw_contact(panel, case, solution, history, summary)
+        title = f"{summary.name}: {history.body1} on {history.body2}"
+        lines = len(panel.get_legend_handles_labels()[1]) // 2
+        panel.set_title(title, loc="left", pad=TITLE_PAD * lines)
 
 
 def _draw_contact(
