@@ -11,16 +11,16 @@ import signal
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
 from typing import TypeVar
 
 from fretfe.case import Case
-from fretfe.environment import memory_shortage, missing_package, rank_from_environment
-from fretfe.errors import CaseError, DependencyError, MemoryShortError, StoppedError
+from fretfe.environment import rank_from_environment
+from fretfe.errors import CaseError, DependencyError, StoppedError
 from fretfe.history.stream import Storage
 from fretfe.loads import History
 from fretfe.mesh.mesh import Mesh
+from fretfe.plugins import PlugIn, plug_ins
 from fretfe.results.model import Result
 
 T = TypeVar("T")
@@ -269,7 +269,7 @@ def installed_backends() -> tuple[Installed, ...]:
     for entry in _entries():
         if entry.name in found:
             reason = f"the name is taken by {found[entry.name].package}"
-            clashes.append(Installed(entry.name, _package(entry), None, reason))
+            clashes.append(Installed(entry.name, entry.package, None, reason))
         else:
             found[entry.name] = _load(entry)
     return (*found.values(), *clashes)
@@ -294,33 +294,13 @@ def find_backend(name: str) -> Backend:
     return found.backend
 
 
-def _entries() -> list[EntryPoint]:
-    """Entry points in the order in which a name is given away: fretfe, then by package."""
-
-    def order(entry: EntryPoint) -> tuple[bool, int, str, str]:
-        own = entry.dist is not None and entry.dist.name == "fretfe"
-        place = OWN.index(entry.name) if own and entry.name in OWN else len(OWN)
-        return not own, place, entry.name, _package(entry)
-
-    return sorted(entry_points(group=GROUP), key=order)
+def _entries() -> list[PlugIn]:
+    return plug_ins(GROUP, OWN)
 
 
-def _package(entry: EntryPoint) -> str:
-    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
-
-
-def _load(entry: EntryPoint) -> Installed:
-    package = _package(entry)
-    try:
-        backend = entry.load()
-    except (Exception, SystemExit) as error:  # what foreign modules raise is not ours to know
-        if isinstance(error, MemoryShortError):
-            raise
-        if shortage := memory_shortage(error):
-            raise MemoryShortError(shortage) from error
-        reason = missing_package(error) or str(error) or type(error).__name__
-        return Installed(entry.name, package, None, reason)
-    if not isinstance(backend, Backend):
-        reason = f"{entry.value}: expected a fretfe.backends.Backend"
-        return Installed(entry.name, package, None, f"{reason}, found {type(backend).__name__}")
-    return Installed(entry.name, package, backend)
+def _load(entry: PlugIn) -> Installed:
+    backend, reason = entry.load()
+    if not reason and not isinstance(backend, Backend):
+        expected = f"{entry.entry.value}: expected a fretfe.backends.Backend"
+        backend, reason = None, f"{expected}, found {type(backend).__name__}"
+    return Installed(entry.name, entry.package, backend, reason)

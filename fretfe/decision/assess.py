@@ -31,10 +31,11 @@ from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import PAIRS, find_critical, findley, smith_watson_topper
 from fretfe.files import json_value
+from fretfe.plugins import plug_ins
 from fretfe.results.model import Result
 from fretfe.strength.fit import Survival
 from fretfe.strength.margins import Margin, result_labels, strength_map
@@ -58,6 +59,17 @@ class Criterion(Enum):
     FINDLEY = "Findley, point"
 
 
+@dataclass(frozen=True)
+class OtherCriterion:
+    """A criterion of another package, by its name."""
+
+    value: str
+
+
+Rule = Criterion | OtherCriterion
+# Entry points of other criteria: functions of an `EdgeField`, its `Station` and `FatigueData` that
+# return the margin.
+GROUP = "fretfe.criteria"
 METHODS: dict[Criterion, Distance] = {
     Criterion.POINT: "point",
     Criterion.LINE: "line",
@@ -80,7 +92,7 @@ class Judgement:
             beyond: there it is a matter of the body rather than of the edge.
     """
 
-    criterion: Criterion
+    criterion: Rule
     margin: float = math.nan
     low: float = math.nan
     high: float = math.nan
@@ -96,7 +108,7 @@ class EdgeAssessment:
     Attributes:
         contact, edge, body: their names.
         friction: coefficient of the contact; NaN if it varies.
-        judgements: one for each criterion, in the order of `Criterion`.
+        judgements: one for each criterion, in the order of `Criterion`, then of other packages.
         arrest: of cracks; None where it is not known.
         life: cycles of the deepest crack between the lengths of the material file; NaN where
             unknown.
@@ -122,9 +134,9 @@ class EdgeAssessment:
         known = [each for each in self.judgements if not each.reason]
         return min(known, key=lambda each: each.margin, default=None)
 
-    def of(self, criterion: Criterion) -> Judgement:
+    def of(self, criterion: Rule) -> Judgement:
         """The answer of one criterion."""
-        return next(each for each in self.judgements if each.criterion is criterion)
+        return next(each for each in self.judgements if each.criterion == criterion)
 
 
 @dataclass(frozen=True)
@@ -151,7 +163,7 @@ class Assessment:
     units: Units
     others: tuple[Assessment, ...] = ()
 
-    def range_of(self, edge: EdgeAssessment, criterion: Criterion) -> tuple[float, float]:
+    def range_of(self, edge: EdgeAssessment, criterion: Rule) -> tuple[float, float]:
         """Least and largest margin over all results; NaN without others, or unknown in one."""
         name = edge.contact, edge.edge, edge.body
         own = [edge.of(criterion)]
@@ -280,7 +292,8 @@ def _edge(
 ) -> EdgeAssessment:
     contact, station, name = at
     if isinstance(field, str):
-        others = [Judgement(each, reason=field) for each in list(Criterion)[1:]]
+        others = [Judgement(each, reason=field) for each in [*Criterion][1:]]
+        others += [Judgement(OtherCriterion(each.name), reason=field) for each in plug_ins(GROUP)]
         return EdgeAssessment(
             contact.name, station.front, name, station.friction, (by_tests, *others), None,
             math.nan, math.nan, math.nan,
@@ -291,6 +304,7 @@ def _edge(
     arrest, life = _arrest(field, data)
     judgements = [by_tests, _by_arrest(arrest, bars)]
     judgements += _by_distances(field, station, data, body, bars)
+    judgements += _by_others(field, station, data, bars)
     known = None if isinstance(arrest, str) else arrest
     return EdgeAssessment(
         contact.name, station.front, name, station.friction, tuple(judgements), known, life,
@@ -314,7 +328,7 @@ class _Bars:
         return cls(math.hypot(of_range, spread / k_n), field.smooth.spread / amplitude)
 
     def around(
-        self, criterion: Criterion, margin: float, place: float = math.nan, weight: float = 1.0
+        self, criterion: Rule, margin: float, place: float = math.nan, weight: float = 1.0
     ) -> Judgement:
         """A margin with its interval: of stresses over what is endured, the margin's inverse.
 
@@ -322,6 +336,8 @@ class _Bars:
         """
         used = 1 / margin
         bar = math.hypot(self.relative * used, weight * self.absolute)
+        if not math.isfinite(bar):
+            return Judgement(criterion, margin, place=place)
         low, high = used + bar, used - bar
         return Judgement(
             criterion,
@@ -464,6 +480,22 @@ def _by_endurance(
         margin = 1 / float(found[at]) if found[at] > 0 else math.inf
         judgement = bars.around(criterion, margin, float(places[at]))
         yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
+
+
+def _by_others(
+    field: EdgeField, station: Station, data: FatigueData, bars: _Bars
+) -> Iterator[Judgement]:
+    """By the criteria of other packages; one that fails has no margin."""
+    for each in plug_ins(GROUP):
+        criterion = OtherCriterion(each.name)
+        try:
+            margin = each.call(field, station, data)
+        except FretfeError as error:
+            yield Judgement(criterion, reason=str(error))
+            continue
+        wrong = f"{each.title}: expected a positive margin, found {margin!r}"
+        good = isinstance(margin, int | float) and margin > 0
+        yield bars.around(criterion, margin) if good else Judgement(criterion, reason=wrong)
 
 
 def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement
+from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement, Rule
 from fretfe.decision.short_cracks import first_length
 from fretfe.report.texts import MISSING, number, percent, plain_table, rounded
 from fretfe.strength.margins import survival_text
@@ -16,9 +16,10 @@ if TYPE_CHECKING:
     from rich.table import Table
 
 
-def known_criteria(found: Assessment) -> list[Criterion]:
+def known_criteria(found: Assessment) -> list[Rule]:
     """Those that are known of some edge."""
-    return [each for each in Criterion if any(not edge.of(each).reason for edge in found.edges)]
+    every = [each.criterion for each in found.edges[0].judgements] if found.edges else []
+    return [each for each in every if any(not edge.of(each).reason for edge in found.edges)]
 
 
 def margin_table(found: Assessment) -> Table:
@@ -26,7 +27,7 @@ def margin_table(found: Assessment) -> Table:
     from rich.markup import escape
 
     shown = known_criteria(found)
-    headers = ("edge", "body", *(each.value.replace(" ", "\n") for each in shown))
+    headers = ("edge", "body", *(escape(each.value.replace(" ", "\n")) for each in shown))
     table = plain_table("All margins (>: infinite, but for error bars)", headers, text=2)
     table.padding = 0  # All criteria in 80 characters.
     for edge in found.edges:
@@ -51,7 +52,7 @@ def governing_table(found: Assessment) -> Table:
             *(
                 [MISSING] * 3
                 if least is None
-                else [least.criterion.value, _margin(least), _interval(least) or MISSING]
+                else [escape(least.criterion.value), _margin(least), _interval(least) or MISSING]
             ),
         )
     return table
@@ -102,10 +103,11 @@ def answer(found: Assessment) -> Iterator[str]:
 
 def _verdict(judgement: Judgement) -> str:
     """A margin against 1, as far as its interval allows."""
-    kept = {
+    words: dict[Rule, str] = {
         Criterion.TESTS: "survive the life asked for",
         Criterion.ARREST: "stop its cracks",
-    }.get(judgement.criterion, "endure")
+    }
+    kept = words.get(judgement.criterion, "endure")
     if judgement.high < 1:
         return f"is not expected to {kept}"
     return f"is expected to {kept}" if judgement.low > 1 else f"may or may not {kept}"

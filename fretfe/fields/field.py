@@ -7,7 +7,7 @@ A new kind of file has a function in `READERS`, by the ending of its name, which
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import MappingProxyType
 from typing import Literal
@@ -22,8 +22,11 @@ from fretfe.fields.sizes import require_sizes
 from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
 from fretfe.mesh.mesh import place_text
+from fretfe.plugins import PlugIn, plug_ins
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 
+# Entry points of other readers: functions as in `READERS`, by the endings of files without dots.
+GROUP = "fretfe.readers"
 # What a file is read for.
 Quantity = Literal["displacements", "temperatures"]
 # Names of values at nodes.
@@ -116,12 +119,19 @@ def field_file(path: Path, quantity: Quantity) -> Path:
     if path.is_dir():
         path = path / FIELDS
     require_file(path, f"a file with {quantity}, or a results folder with fields", CaseError)
-    if path.suffix.lower() not in READERS:
+    if path.suffix.lower() not in READERS and _other_reader(path) is None:
+        others = (f".{each.name}" for each in plug_ins(GROUP))
         raise CaseError(
             f"{path}: expected a file of {quantity} whose name ends in one of "
-            f"{', '.join(READERS)}, or a results folder"
+            f"{', '.join((*READERS, *others))}, or a results folder"
         )
     return path
+
+
+def _other_reader(path: Path) -> PlugIn | None:
+    """The reader of another package whose name is the ending of a file; None without one."""
+    ending = path.suffix.lower().removeprefix(".")
+    return next((each for each in plug_ins(GROUP) if each.name == ending), None)
 
 
 def read_field(path: Path, quantity: Quantity = "displacements", arrays: Names = ()) -> Field:
@@ -139,9 +149,20 @@ def read_field(path: Path, quantity: Quantity = "displacements", arrays: Names =
     """
     path = field_file(path, quantity)
     require_sizes(path)
-    found = READERS[path.suffix.lower()](path, quantity, arrays)
+    read = READERS.get(path.suffix.lower()) or _by_other
+    found = read(path, quantity, arrays)
     _require_good(path, found)
     return found
+
+
+def _by_other(path: Path, quantity: Quantity, arrays: Names) -> Field:
+    """A field by the reader of another package; each step is read by it too."""
+    reader = _other_reader(path)
+    assert reader is not None, "field_file has found it"
+    found = reader.call(path, quantity, arrays)
+    if not isinstance(found, Field):
+        raise CaseError(f"{path}: expected a Field of {reader.title}, found {found!r}")
+    return replace(found, values=lambda step: reader.guard(found.values, step))
 
 
 def _require_good(path: Path, found: Field) -> None:

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 from cases.pad_cases import HERTZ
 from harness import launch
+from harness.packages import write_package
 from project.test_layers import FEM_ONLY
 
 HAS_DOLFINX = importlib.util.find_spec("dolfinx") is not None
@@ -152,12 +153,8 @@ def broken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Packages whose backends cannot be used are installed."""
     folder = tmp_path / "broken"
     for name, (source, attribute, _) in BROKEN.items():
-        info = folder / f"{name}-1.0.dist-info"
-        info.mkdir(parents=True)
-        (info / "METADATA").write_text(f"Metadata-Version: 2.1\nName: {name}\nVersion: 1.0\n")
-        (info / "entry_points.txt").write_text(f"[fretfe.backends]\n{name} = {name}:{attribute}\n")
-        if source is not None:
-            (folder / f"{name}.py").write_text(source)
+        entry = f"{name} = {name}:{attribute}"
+        write_package(folder, name, source, "fretfe.backends", entry)
     monkeypatch.syspath_prepend(folder)
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import json
 import math
+import sys
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -14,13 +15,21 @@ import pytest
 from cases.solid_runs import solid_result, surface
 from cases.stored_runs import solved, write_run
 from decision.test_material import FATIGUE, write
+from harness.packages import write_package
 from typer.testing import CliRunner
 
 import fretfe
 from fretfe.cli.app import app
 from fretfe.decision import assess as module
-from fretfe.decision.assess import Assessment, Criterion, assess, assessment_numbers
+from fretfe.decision.assess import (
+    Assessment,
+    Criterion,
+    OtherCriterion,
+    assess,
+    assessment_numbers,
+)
 from fretfe.decision.field import EdgeField, NearField, edge_field
+from fretfe.decision.texts import known_criteria
 from fretfe.errors import CaseError
 
 OF_STRESS = [each for each in Criterion if each is not Criterion.TESTS]
@@ -138,6 +147,45 @@ def test_tests_beside_the_other_criteria(tmp_path: Path) -> None:
     for given in ((table, None), (None, 1e6)):
         with pytest.raises(CaseError, match="tests together with a life"):
             assess(result, path, *given)
+
+
+OTHER_CRITERION = """
+import numpy as np
+
+def margin(field, station, data):
+    stress = field.stress(np.array([[0.0, -0.05]]))
+    return data.limit.tension / np.ptp(stress[:, 0, 0]) * 2
+"""
+
+
+@pytest.mark.parametrize(
+    ("source", "reason"),
+    [
+        (OTHER_CRITERION, ""),
+        ("def margin(*_): return 1 / 0", "'mine' of other 1.0 failed: ZeroDivisionError: div"),
+        ("def margin(*_): return float('nan')", "'mine' of other 1.0: expected a positive margin"),
+        ("raise RuntimeError('no licence')", "'mine' of other 1.0 cannot be used: no licence"),
+    ],
+    ids=["right", "raises", "no number", "not loaded"],
+)
+def test_a_criterion_of_another_package(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, source: str, reason: str
+) -> None:
+    """It is listed with the others, which it does not disturb."""
+    result, path = solved("halfplane"), write(tmp_path)
+    alone = fretfe.assess(result, path)
+    write_package(tmp_path / "site", "other", source, "fretfe.criteria", "mine = other:margin")
+    monkeypatch.syspath_prepend(tmp_path / "site")
+    monkeypatch.delitem(sys.modules, "other", raising=False)
+    found = fretfe.assess(result, path)
+    for edge, before in zip(found.edges, alone.edges, strict=True):
+        *others, mine = edge.judgements
+        assert repr(others) == repr(list(before.judgements))
+        assert mine.criterion == OtherCriterion("mine") and mine.reason.startswith(reason)
+        if not reason:
+            assert not mine.reason and 0 < mine.low < mine.margin < mine.high
+    assert "mine" in assessment_numbers(found)["edges"][0]["criteria"]
+    assert (found.edges[0].judgements[-1].criterion in known_criteria(found)) == (not reason)
 
 
 def test_missing_data_are_named(tmp_path: Path) -> None:

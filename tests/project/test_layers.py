@@ -27,6 +27,7 @@ LAYERS = (
     "fretfe.files",
     "fretfe.results.run_folder",
     "fretfe.environment",
+    "fretfe.plugins",
     "fretfe.faults",
     "fretfe.caution",
     "fretfe.verdict",

@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Objects that other packages bring by entry points: backends, criteria, readers of fields.
+
+One that cannot be loaded, or raises, is named with its package.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from importlib.metadata import EntryPoint, entry_points
+from typing import Any
+
+from fretfe.environment import memory_shortage, missing_package
+from fretfe.errors import DependencyError, FretfeError, MemoryShortError
+
+
+@dataclass(frozen=True)
+class PlugIn:
+    """An object of a package.
+
+    Attributes:
+        name: by which it is chosen.
+        package: name and version of the package that brings it.
+        entry: its entry point.
+    """
+
+    name: str
+    package: str
+    entry: EntryPoint
+
+    @property
+    def title(self) -> str:
+        """Name and package, for messages."""
+        return f"{self.name!r} of {self.package}"
+
+    def load(self) -> tuple[Any, str]:
+        """The object; or None, and why it cannot be loaded."""
+        try:
+            return self.entry.load(), ""
+        except (Exception, SystemExit) as error:  # what foreign modules raise is not ours to know
+            if isinstance(error, MemoryShortError):
+                raise
+            if shortage := memory_shortage(error):
+                raise MemoryShortError(shortage) from error
+            return None, missing_package(error) or str(error) or type(error).__name__
+
+    def call(self, *arguments: Any) -> Any:
+        """Call the object.
+
+        Raises:
+            DependencyError: if it cannot be loaded, or raises what is no error of fretfe.
+        """
+        function, reason = self.load()
+        if reason:
+            raise DependencyError(f"{self.title} cannot be used: {reason}")
+        return self.guard(function, *arguments)
+
+    def guard(self, function: Callable[..., Any], *arguments: Any) -> Any:
+        """Call a function that is the object, or that it has returned; raises as `call`."""
+        try:
+            return function(*arguments)
+        except FretfeError:
+            raise
+        except Exception as error:
+            if shortage := memory_shortage(error):
+                raise MemoryShortError(shortage) from error
+            text = f"{type(error).__name__}: {error}"
+            raise DependencyError(f"{self.title} failed: {text}") from error
+
+
+def plug_ins(group: str, own: Sequence[str] = ()) -> list[PlugIn]:
+    """All of a group, in the order in which a name is given away: fretfe, then by name.
+
+    Args:
+        group: of entry points, such as ``fretfe.backends``.
+        own: names of those of fretfe, in their order.
+    """
+
+    def order(entry: EntryPoint) -> tuple[bool, int, str, str]:
+        mine = entry.dist is not None and entry.dist.name == "fretfe"
+        place = own.index(entry.name) if mine and entry.name in own else len(own)
+        return not mine, place, entry.name, _package(entry)
+
+    entries = sorted(entry_points(group=group), key=order)
+    return [PlugIn(entry.name, _package(entry), entry) for entry in entries]
+
+
+def _package(entry: EntryPoint) -> str:
+    return f"{entry.dist.name} {entry.dist.version}" if entry.dist else ""
