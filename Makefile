@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-# Each target does its own set-up: .venv (everything) or .venv-light (all that works without
+# Each target does its own set-up: .venv (for `demo` only what it needs, else everything) or .venv-light (all that works without
 # DOLFINx). PYTHON=... chooses the interpreter, CXX=... the compiler, SLOW=1 adds the slow tests.
 
 PYTHON ?=
@@ -42,7 +42,7 @@ FRESH ?=
 help:  ## this list
 	@sed -n 's/^\([a-z-]*\):.*## /\1\t/p' $(MAKEFILE_LIST) | expand -t 14
 
-demo: .venv/.installed  ## solve the dovetail demo and write results/dovetail
+demo: .venv/.runs  ## solve the dovetail demo and write results/dovetail
 	$(BIN)/fretfe run demos/dovetail.toml -o results/dovetail
 
 bench: .venv/.installed  ## times and memory of runs, phases, ranks and commands; an hour on a quiet machine
@@ -92,7 +92,14 @@ clean:  ## remove environments, builds and caches; results stay
 	@mkdir -p build && touch build/started
 	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint,docs]'
 	$(BIN)/fretfe info >/dev/null
-	@mv build/started $@
+	@mv build/started $@ && cp -p $@ .venv/.runs
+
+# All that a run and its report need, without what tests, checks and documents need besides.
+.venv/.runs: $(BUILD_INPUTS)
+	@mkdir -p build && touch build/started-runs
+	tools/install.sh .venv $(SETTINGS) -e '.[fem,report]'
+	$(BIN)/fretfe info >/dev/null
+	@mv build/started-runs $@
 
 # Not editable: this is what a user gets from pip install.
 .venv-light/.installed: $(BUILD_INPUTS) $(PYTHON_SOURCES)

@@ -124,7 +124,7 @@ def test_history_of_an_edge_that_is_not_there(solved: Result) -> None:
 def test_plots_draw_in_new_axes_or_in_those_given(solved: Result, kind: Any, panels: int) -> None:
     drawn = solved.plot(kind)
     assert len(drawn) == panels and all(axes.get_ylabel() for axes in drawn)
-    assert drawn[0].figure.number in plt.get_fignums()
+    assert drawn[0].figure in [plt.figure(each) for each in plt.get_fignums()]
     figure, given = plt.subplots(1, panels, squeeze=False)
     again = getattr(fretfe, f"plot_{kind}")(solved, given[0])
     assert list(again) == figure.axes == list(given[0])

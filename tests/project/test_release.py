@@ -10,15 +10,38 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-VERSION = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
+VERSION = PROJECT["version"]
 
 
 @pytest.mark.parametrize(
     ("file", "pattern"),
-    [("CITATION.cff", r"^version: (\S+)$"), ("debian/changelog", r"\Afretfe \((\S+)\) unstable;")],
+    [
+        ("CITATION.cff", r"^version: (\S+)$"),
+        ("codemeta.json", r'^  "version": "(\S+)",$'),
+        ("debian/changelog", r"\Afretfe \((\S+)\) unstable;"),
+        ("tools/conda/recipe.yaml", r'^  version: "(\S+)"$'),
+        ("tools/spack/package.py", r'^    version\("(\S+)"\)$'),
+    ],
 )
 def test_the_version_is_the_same(file: str, pattern: str) -> None:
     assert re.findall(pattern, (ROOT / file).read_text("utf-8"), re.MULTILINE) == [VERSION]
+
+
+@pytest.mark.parametrize(
+    ("file", "pattern", "renamed"),
+    [
+        ("tools/conda/recipe.yaml", "- {name} >={least}\n", {"matplotlib": "matplotlib-base"}),
+        ("tools/spack/package.py", '"py-{name}@{least}:"', {}),
+    ],
+)
+def test_other_packages_ask_for_the_same_versions(
+    file: str, pattern: str, renamed: dict[str, str]
+) -> None:
+    text = (ROOT / file).read_text("utf-8")
+    wanted = [each.split(">=") for each in PROJECT["dependencies"]]
+    for name, least in wanted:
+        assert pattern.format(name=renamed.get(name, name), least=least) in text
 
 
 def test_the_changelog_begins_with_this_version_or_with_what_is_not_released() -> None:
