@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Write the meshes of two benchmarks: python tools/benchmark_meshes.py FOLDER.
+"""Write the meshes of three benchmarks: python tools/benchmark_meshes.py FOLDER.
 
-An upper body on a lower one, both of linear quadrilaterals that do not match: a block on a wedge
-whose face rises by 0.1, and a pad with a radius on a block, fine where they touch.
+An upper body on a lower one, both of linear quadrilaterals: a block on a wedge whose face rises by
+0.1, a pad with a radius on a block, fine where they touch, both of which do not match, and half of
+a plate on a support.
 
              upper_top
         +----------------+ y = 1.2
@@ -48,6 +49,7 @@ class Block:
         level: y of the horizontal face.
         far: name of that face.
         share: of the height at the rows of nodes, from the lower face.
+        sides: names of the sides with the smallest and the largest x; empty for none.
     """
 
     name: str
@@ -56,6 +58,7 @@ class Block:
     level: float
     far: str
     share: np.ndarray
+    sides: tuple[str, str] = ("", "")
 
     @property
     def cells(self) -> tuple[int, int]:
@@ -84,7 +87,12 @@ class Block:
             (c + rows * (columns + 1), c + 1 + rows * (columns + 1)) for c in range(columns)
         ]
         contact, far = (bottom, top) if self.level > 0 else (top, bottom)
-        return {f"{self.name}_contact": contact, self.far: far}
+        found = {f"{self.name}_contact": contact, self.far: far}
+        for name, start in zip(self.sides, (0, columns), strict=True):
+            if name:
+                rises = range(start, start + rows * (columns + 1), columns + 1)
+                found[name] = [(node, node + columns + 1) for node in rises]
+        return found
 
 
 def wedge() -> tuple[Block, Block]:
@@ -115,6 +123,22 @@ def pad() -> tuple[Block, Block]:
             "lower", columns(LOWER_SIZE, 3.0), np.zeros_like, -3.0, "lower_bottom", 1 - lower[::-1]
         ),
     )
+
+
+def plate() -> tuple[Block, Block]:
+    """Half of a plate of 80 by 40, whose middle is at x = 40, on a support that is longer."""
+    level = np.zeros_like
+    upper, lower = (np.linspace(start, 40.0, count) for start, count in ((0.0, 33), (-10.0, 41)))
+    return (
+        Block(
+            "upper", upper, level, 40.0, "upper_top", np.linspace(0.0, 1.0, 33),
+            sides=("upper_left", "upper_middle"),
+        ),
+        Block(
+            "lower", lower, level, -10.0, "lower_bottom", np.linspace(0.0, 1.0, 9),
+            sides=("", "lower_middle"),
+        ),
+    )  # fmt: skip
 
 
 def columns(size: float, end: float) -> np.ndarray:
@@ -156,7 +180,7 @@ def mesh_text(blocks: Sequence[Block]) -> str:
     )
 
 
-MESHES = {"sliding_wedge.msh": wedge, "pad.msh": pad}
+MESHES = {"sliding_wedge.msh": wedge, "pad.msh": pad, "plate.msh": plate}
 
 if __name__ == "__main__":
     for name, blocks in MESHES.items():

@@ -79,6 +79,26 @@ def mean_slip_length(result: Result) -> float:
     return float(np.mean([_last_zone(station, "length") for station in _contact(result).stations]))
 
 
+def first_slip_length(result: Result) -> float:
+    """Length of the slip zones before the last ones, mean of both edges."""
+    return float(np.mean([each.slip_zones[-2].length for each in _contact(result).stations]))
+
+
+def slip_at(x: float) -> Measure:
+    """Displacement of body 1 relative to body 2 along a straight surface, from its first end on."""
+
+    def measure(result: Result) -> float:
+        contact = result.solution.contacts[0]
+        places, slip = contact.surface.points[:, 0].copy(), contact.slip[-1, :, 0]
+        # A mean with the weight of a hat function belongs to its centroid.
+        places[0] += (places[1] - places[0]) / 3
+        end = max(int(np.searchsorted(places, x)), 1)
+        slope = (slip[end] - slip[end - 1]) / (places[end] - places[end - 1])
+        return float(slip[end] + slope * (x - places[end]))
+
+    return measure
+
+
 def stick_half_width_ratio(result: Result) -> float:
     """c/a: half-width of the stick zone that the last slip zones leave, in half-widths."""
     return 1 - mean_slip_length(result) / half_width(result)

@@ -43,8 +43,10 @@ from fretfe.quality.cycles import (
 from fretfe.quality.loading import (
     cylinder_on_block,
     fretting_specimens,
+    pushed_plate,
     sliding_wedge,
     two_cylinders,
+    unloaded_cylinder,
 )
 from fretfe.quality.solids import solid_benchmarks
 from fretfe.results.model import Result
@@ -114,7 +116,9 @@ def benchmarks() -> tuple[Benchmark, ...]:
         unlike_bodies(),
         *varying_normal_load(),
         rocking(),
+        unloaded_cylinder(),
         sliding_wedge(),
+        pushed_plate(),
         *solid_benchmarks(),
     )
 

@@ -111,6 +111,7 @@ def clean(wheel: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_source_package_has_the_sources_and_no_more(source_files: set[str]) -> None:
     beside = {"CHANGELOG.md", "CITATION.cff", "CMakeLists.txt", "CONTRIBUTING.md", "LICENSE"}
+    beside |= {"codemeta.json"}
     beside |= {"LICENSE.GPL", "PKG-INFO", "README.md", "pyproject.toml"}
     folders = ("fretfe", "meshes", "docs")
     assert source_files == beside.union(*(sources(Path(each)) for each in folders))
@@ -130,6 +131,7 @@ def test_wheel_has_the_package_and_no_more(wheel_files: set[str]) -> None:
         "fretfe/meshes/dovetail.geo",
         "fretfe/quality/sliding_wedge.msh",
         "fretfe/quality/pad.msh",
+        "fretfe/quality/plate.msh",
     } < package
 
 

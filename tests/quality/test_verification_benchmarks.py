@@ -16,7 +16,7 @@ from fretfe.backends import Installed, backend_names, find_backend
 from fretfe.quality import pads
 from fretfe.quality.comparison import Benchmark, Row
 from fretfe.quality.cycles import LOOPS, SHORTEST
-from fretfe.quality.loading import FRICTION, MESH, SLOPE
+from fretfe.quality.loading import FRICTION, MESH, PLATE_MESH, SLOPE
 from fretfe.quality.solids import PAD_MESH, hertz_ellipse
 from fretfe.quality.verification import benchmarks, controls, run_benchmark
 
@@ -28,6 +28,7 @@ NOT_FOR_HALF_PLANES = {
     "ellipse, cyclic shear": "found 'sphere'",
     "extruded pad, cyclic shear": "pad.msh",
     "sliding wedge block": "sliding_wedge.msh",
+    "pushed plate": "plate.msh",
 }
 
 
@@ -115,7 +116,7 @@ def test_shortest_slip_zone() -> None:
     assert pytest.approx(0.00305, abs=5e-6) == SHORTEST
 
 
-@pytest.mark.parametrize("mesh", [MESH, PAD_MESH], ids=["wedge", "pad"])
+@pytest.mark.parametrize("mesh", [MESH, PAD_MESH, PLATE_MESH], ids=["wedge", "pad", "plate"])
 def test_mesh_is_what_the_tool_writes(mesh: Path) -> None:
     tool = Path(__file__).parents[2] / "tools" / "benchmark_meshes.py"
     tables = runpy.run_path(str(tool))
@@ -148,3 +149,12 @@ def test_force_ratio_of_the_sliding_wedge() -> None:
     vertical = normal * math.cos(angle) - shear * math.sin(angle)
     assert quantity.reference == pytest.approx(horizontal / vertical)
     assert quantity.reference == pytest.approx(0.412371, abs=5e-7)
+
+
+def test_published_slip_zones_of_the_unloaded_cylinder_are_mindlins() -> None:
+    """Of Q = f P/2: a (1 - sqrt(1 - 1/2)), and half as far back a (1 - sqrt(1 - 1/4))."""
+    half_width, loaded, unloaded = BENCHMARKS["cylinder, sheared and unloaded"].quantities
+    a, e_star = half_width.reference, 200e3 / (2 * (1 - 0.3**2))
+    assert pads.hertz_load(a, 6.0, e_star) == pytest.approx(120.0, rel=2e-5)
+    assert loaded.reference == pytest.approx(a * (1 - math.sqrt(1 / 2)), abs=5e-6)
+    assert unloaded.reference == pytest.approx(a * (1 - math.sqrt(3 / 4)), abs=5e-6)

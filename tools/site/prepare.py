@@ -32,6 +32,7 @@ SECTIONS = {
         "how-load-history",
         "how-interface",
         "how-global-model",
+        "from-abaqus",
         "sweep",
         "how-mpi",
         "how-notebook",
