@@ -29,7 +29,7 @@ from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.runner import Runner, draw_report
 from fretfe.strength.margins import StrengthMap, strength_map
-from fretfe.sweeps import Sweep
+from fretfe.sweeps import Points, Sweep, sample
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -42,6 +42,7 @@ __all__ = [
     "Checked",
     "Comparison",
     "Observer",
+    "Points",
     "Result",
     "StrengthMap",
     "Sweep",
@@ -63,6 +64,7 @@ __all__ = [
     "plot_strength",
     "plot_tractions",
     "run",
+    "sample",
     "strength_map",
     "sweep",
     "validate",
@@ -122,7 +124,8 @@ def sweep(
 
     Args:
         case: with all that does not vary.
-        vary: values by key, such as ``{"contacts.main.friction": [0.4, 0.6]}``.
+        vary: values by key, such as ``{"contacts.main.friction": [0.4, 0.6]}``; `Points`, as from
+            `sample`, are not combined.
         backend: name of what solves them.
         output: folder for what `fretfe sweep` writes; None writes nothing.
         observer: follows the runs; each case is announced when it is done.

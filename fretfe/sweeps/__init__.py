@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from fretfe.sweeps.engine import (
+    Points,
     Solved,
     Sweep,
     Variant,
@@ -11,9 +12,11 @@ from fretfe.sweeps.engine import (
     parse_ranges,
     require_apart,
     run_sweep,
+    sample,
 )
 
 __all__ = [
+    "Points",
     "Solved",
     "Sweep",
     "Variant",
@@ -21,4 +24,5 @@ __all__ = [
     "parse_ranges",
     "require_apart",
     "run_sweep",
+    "sample",
 ]

@@ -13,7 +13,7 @@ from contextlib import closing
 from dataclasses import dataclass, field, replace
 from itertools import chain
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -123,25 +123,56 @@ def _spaced(key: str, text: str) -> tuple[Any, ...]:
     return tuple(values)
 
 
+class Points(dict[str, tuple[float, ...]]):
+    """Values of keys that belong together: a case for each place in them, no combinations."""
+
+
+def sample(
+    bounds: Mapping[str, tuple[float, float]],
+    count: int,
+    method: Literal["latin", "sobol"] = "latin",
+    seed: int = 0,
+) -> Points:
+    """Points that fill the space between bounds evenly, for `sweep`.
+
+    Args:
+        bounds: smallest and largest value by key.
+        count: of points; of Sobol's sequence a power of 2 is best.
+        method: a Latin hypercube, or Sobol's sequence, both scrambled.
+        seed: another one gives other points.
+    """
+    from scipy.stats import qmc
+
+    engine = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}[method](len(bounds), seed=seed)
+    low, high = np.array(list(bounds.values()), dtype=float).T
+    places = low + (high - low) * engine.random(count)
+    return Points(zip(bounds, map(tuple, places.T.tolist()), strict=True))
+
+
 def make_variants(case: Case, ranges: Mapping[str, Sequence[Any] | Array]) -> tuple[Variant, ...]:
-    """All combinations, the last key varying fastest.
+    """All combinations, the last key varying fastest; of `Points` these.
 
     Args:
         case: the case with all that does not vary.
         ranges: values by key.
 
     Raises:
-        CaseError: nothing varies, there are too many combinations, or one of them is not a valid
-            case with a valid load history.
+        CaseError: nothing varies, points differ in number, there are too many combinations, or one
+            of them is not a valid case with a valid load history.
     """
     values = {key: tuple(map(plain_value, sequence)) for key, sequence in ranges.items()}
     if not values or not all(values.values()):
         raise CaseError(f"{case.source}: a sweep needs a key that varies, and a value for each key")
-    count = math.prod(len(each) for each in values.values())
+    lengths = [len(each) for each in values.values()]
+    points = isinstance(ranges, Points)
+    if points and len(set(lengths)) > 1:
+        raise CaseError(f"{case.source}: expected as many values of each key, found {lengths}")
+    count = lengths[0] if points else math.prod(lengths)
     if count > MOST_VARIANTS:
         raise CaseError(_too_many(count))
     variants = []
-    for combination in itertools.product(*values.values()):
+    columns = values.values()
+    for combination in zip(*columns, strict=True) if points else itertools.product(*columns):
         chosen = dict(zip(values, combination, strict=True))
         own = changed(case, chosen)
         checked_history(own)

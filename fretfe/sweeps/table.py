@@ -267,10 +267,13 @@ def write_sweep(path: Path, keys: Sequence[str], records: Sequence[Record], unit
         units: labels.
 
     Returns:
-        Whether there is a picture: not with more than two keys, and not without numbers.
+        Whether there is a picture: not with more than two keys, of `Points` with two, and not
+        without numbers.
     """
     solved = [record for record in records if "edge" in record]
-    if not solved or len(keys) > LARGEST_DIMENSION:
+    points = {tuple(_hashable(each[key]) for key in keys) for each in records}
+    combined = math.prod(len(set(values)) for values in zip(*points, strict=True))
+    if not solved or len(keys) > LARGEST_DIMENSION or len(points) < combined:
         return False
     edges = list(dict.fromkeys((str(each["contact"]), str(each["edge"])) for each in solved))
     with mpl.rc_context(STYLE):

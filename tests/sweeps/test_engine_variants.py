@@ -4,14 +4,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
+import numpy as np
 import pytest
 from cases.pad_cases import HERTZ, pad
 
 from fretfe.case import parse_case
 from fretfe.errors import CaseError
-from fretfe.sweeps import make_variants, parse_ranges, require_apart
+from fretfe.sweeps import Points, make_variants, parse_ranges, require_apart, sample
 
 FRICTION = "contacts.main.friction"
 
@@ -115,3 +116,26 @@ def test_what_varies_is_not_set_as_well(tmp_path: Path, fixed: str) -> None:
     require_apart(path, ["bodies.upper.young=1e5"], {FRICTION: 0.3})
     with pytest.raises(CaseError, match=r"in both|sets the same value"):
         require_apart(path, [f"{fixed}=0.2"], {FRICTION: 0.3})
+
+
+@pytest.mark.parametrize("method", ["latin", "sobol"])
+def test_points_fill_the_space_evenly(method: Literal["latin", "sobol"]) -> None:
+    """Each of eight equal parts of either range has one of eight points."""
+    bounds = {FRICTION: (0.3, 0.7), "loads.shear.amplitude": (20.0, 60.0)}
+    points = sample(bounds, 8, method)
+    assert list(points) == list(bounds) and sample(bounds, 8, method) == points
+    assert sample(bounds, 8, method, seed=1) != points
+    for key, (low, high) in bounds.items():
+        parts = np.floor((np.array(points[key]) - low) / (high - low) * 8)
+        assert sorted(parts) == list(range(8))
+    variants = make_variants(parse_case(pad()), points)
+    assert [tuple(each.values.values()) for each in variants] == list(
+        zip(*points.values(), strict=True)
+    )
+    assert variants[3].case.contacts["main"].friction == points[FRICTION][3]
+
+
+def test_points_that_differ_in_number() -> None:
+    points = Points({FRICTION: (0.3, 0.4), "loads.shear.amplitude": (20.0,)})
+    with pytest.raises(CaseError, match=r"as many values of each key, found \[2, 1\]"):
+        make_variants(parse_case(pad()), points)
