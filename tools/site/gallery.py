@@ -43,7 +43,7 @@ def run(name: str, folder: Path) -> None:
     (folder / f"{name}.txt").write_text(printed.getvalue().strip("\n") + "\n")
     for figure in ("tractions", "factors"):
         draw = getattr(fretfe, f"plot_{figure}")
-        draw(names["result"]).savefig(folder / f"{name}_{figure}.png", dpi=110)
+        draw(names["result"])[0].figure.savefig(folder / f"{name}_{figure}.png", dpi=110)
 
 
 def page(name: str, folder: Path) -> str:
