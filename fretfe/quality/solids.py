@@ -53,11 +53,6 @@ PAD_LENGTH = 1.0
 PAD_LAYERS = 4
 
 
-def solid_benchmarks() -> tuple[Benchmark, ...]:
-    """All of them."""
-    return sheared_sphere(), twisted_sphere(), sheared_ellipse(), extruded_pad()
-
-
 def sheared_sphere() -> Benchmark:
     """A sphere on a flat under a cycle of shear force.
 

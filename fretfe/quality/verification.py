@@ -3,8 +3,9 @@
 
 from __future__ import annotations
 
+import inspect
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -48,7 +49,12 @@ from fretfe.quality.loading import (
     two_cylinders,
     unloaded_cylinder,
 )
-from fretfe.quality.solids import solid_benchmarks
+from fretfe.quality.solids import (
+    extruded_pad,
+    sheared_ellipse,
+    sheared_sphere,
+    twisted_sphere,
+)
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
 
@@ -107,20 +113,31 @@ def judge(rows: tuple[Row, ...]) -> Row:
 
 def benchmarks() -> tuple[Benchmark, ...]:
     """All benchmarks, in the order in which they are run."""
-    return (
-        two_cylinders(),
-        cylinder_on_block(),
-        *fretting_specimens(),
-        *loop_benchmarks(),
-        *cyclic_shear(),
-        unlike_bodies(),
-        *varying_normal_load(),
-        rocking(),
-        unloaded_cylinder(),
-        sliding_wedge(),
-        pushed_plate(),
-        *solid_benchmarks(),
+    return tuple(each for _, family in families() for each in family)
+
+
+def families() -> Iterator[tuple[str, tuple[Benchmark, ...]]]:
+    """Benchmarks of one problem each, with its description."""
+    makers: tuple[Callable[[], Benchmark | tuple[Benchmark, ...]], ...] = (
+        two_cylinders,
+        cylinder_on_block,
+        fretting_specimens,
+        loop_benchmarks,
+        cyclic_shear,
+        unlike_bodies,
+        varying_normal_load,
+        rocking,
+        unloaded_cylinder,
+        sliding_wedge,
+        pushed_plate,
+        sheared_sphere,
+        twisted_sphere,
+        sheared_ellipse,
+        extruded_pad,
     )
+    for make in makers:
+        made = make()
+        yield inspect.getdoc(make) or "", made if isinstance(made, tuple) else (made,)
 
 
 @dataclass(frozen=True)

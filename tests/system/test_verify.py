@@ -14,7 +14,12 @@ from fretfe.backends import Installed
 from fretfe.fem.backend import BACKEND
 from fretfe.quality import verification
 from fretfe.quality.comparison import Benchmark, Row
-from fretfe.quality.solids import solid_benchmarks
+from fretfe.quality.solids import (
+    extruded_pad,
+    sheared_ellipse,
+    sheared_sphere,
+    twisted_sphere,
+)
 from fretfe.quality.verification import benchmarks, controls, run_benchmark
 
 BENCHMARKS = {benchmark.name: benchmark for benchmark in benchmarks() if benchmark.case}
@@ -58,7 +63,8 @@ def test_every_benchmark_passes(monkeypatch: pytest.MonkeyPatch) -> None:
 
     Of those of solids, which take half of the time, another one each week.
     """
-    solids = [each.name for each in solid_benchmarks()]
+    makers = sheared_sphere, twisted_sphere, sheared_ellipse, extruded_pad
+    solids = [make().name for make in makers]
     left_out = by_extent({*solids} - {solids[SEED % len(solids)]}, set())
     chosen = tuple(each for each in benchmarks() if each.name not in left_out)
 

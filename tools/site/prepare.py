@@ -12,6 +12,7 @@ import sys
 from pathlib import Path
 
 import api
+import book
 import gallery
 
 ROOT = Path(__file__).parents[2]
@@ -51,7 +52,16 @@ SECTIONS = {
     ),
     "Output": ("report", "results", "results-files", "exchange", "match", "strength", "local"),
     "Use": ("command-line", "python", "api/index", "edges", "backends"),
-    "Trust": ("theory", "unlike", "applicability", "method", "validate", "verify", "security"),
+    "Trust": (
+        "theory",
+        "unlike",
+        "applicability",
+        "method",
+        "validate",
+        "verify",
+        "book",
+        "security",
+    ),
     "Behind it": ("contributing", "architecture", "performance", "changes"),
 }
 # Where links from the root lead in the site.
@@ -106,6 +116,7 @@ def write(folder: Path) -> None:
         shutil.copy(ROOT / name, folder / name)
     api.write_pages(folder / "api")
     gallery.write(folder, folder.with_name("gallery"))
+    book.write(folder, folder.with_name("book"))
 
 
 if __name__ == "__main__":
