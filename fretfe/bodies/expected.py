@@ -187,7 +187,8 @@ def _proposal(
     if not math.isfinite(short) and solid is not None and not solid.skew and not normal[2]:
         # The section of a straight extrusion, as a cylinder with the same growth of its half-width.
         along = initial.points @ [normal[1], -normal[0], 0.0]
-        grown = [half_width(along, initial.gap, x * load / solid.length)[0] for x in (1.0, 0.5)]
+        load /= solid.shared(initial.surface1.body, initial.surface2.body)
+        grown = [half_width(along, initial.gap, x * load)[0] for x in (1.0, 0.5)]
         short = (grown[0] - grown[1]) / (1 - math.sqrt(0.5))
     if not math.isfinite(short):
         reason = "its gap is neither that of a paraboloid nor of a section with one lowest place"

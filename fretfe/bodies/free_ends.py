@@ -152,7 +152,7 @@ def graded(case: Case) -> Case:
     if now is None:
         return case
     solid, parameters = geometry.solid, dict(geometry.parameters)
-    length = _template_values(case)["length"] if solid is None else solid.length
+    length = _template_values(case)["length"] if solid is None else solid.shared(*case.bodies)
     wanted = _rounded_down(BELOW * _share(case) * length / case.edges.stations / 2)
     given = END_SIZE in parameters if solid is None else solid.end_size is not None
     if given or wanted >= now[1]:

@@ -99,6 +99,11 @@ class Solid(Table):
         """Where a body begins and ends in z."""
         return self.spans.get(body, (0.0, self.length))
 
+    def shared(self, *bodies: str) -> float:
+        """Length that all of some bodies have."""
+        starts, ends = zip(*map(self.span, bodies), strict=True)
+        return float(min(ends) - max(starts))
+
 
 class Part(Table):
     """Elements near a centre, which are all that is kept of a mesh."""

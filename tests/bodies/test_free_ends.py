@@ -11,6 +11,7 @@ from cases.pad_cases import BASE, pad, press
 
 from fretfe.bodies.free_ends import ThickEnd, end_warning, graded, thick_ends
 from fretfe.case import Case, parse_case
+from fretfe.errors import CaseError
 from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.make import write_mesh
 from fretfe.surface.checks import load_mesh
@@ -26,7 +27,7 @@ BACK = {name: {"boundary": f"{name}_back", "fix": ["z"]} for name in ("upper", "
 FRONT = {f"{name}2": {"boundary": f"{name}_front", "fix": ["z"]} for name in ("upper", "lower")}
 
 
-def solid(**keys: float) -> dict[str, Any]:
+def solid(**keys: Any) -> dict[str, Any]:
     return {**PLANE, "solid": {"length": LENGTH, "layers": 5, **keys}}
 
 
@@ -56,6 +57,18 @@ def test_layers_thicker_than_the_first_station_is_away_are_reported_with_the_siz
     assert "at 2 of 10 stations next to an end" in text and "0.8 mm long" in text
     assert text.endswith("set geometry.solid.end_size = 0.14")
     assert not found(case(solid(end_size=0.14)))
+
+
+def test_the_end_of_a_shorter_body_is_free_in_the_length_of_the_other_one() -> None:
+    shorter = solid(spans={"upper": [0.2, LENGTH]})
+    (end,) = found(case(shorter, FRONT | BACK))
+    first = (LENGTH - 0.2) / STATIONS / 2
+    assert end.wanted == pytest.approx(0.7 * first, rel=0.01)
+    assert not found(case(shorter | {"solid": shorter["solid"] | {"end_size": 0.1}}, FRONT))
+    with pytest.raises(CaseError, match=r"solid.spans: expected spans of the bodies lower, upper"):
+        load_mesh(case(solid(spans={"pad": [1.0, LENGTH]})))
+    tolerant = graded(case(shorter, tolerance=0.06)).geometry.solid
+    assert tolerant is not None and tolerant.end_size == pytest.approx(0.7 * first, rel=0.06)
 
 
 def test_layers_between_two_stations_leave_out_one() -> None:

@@ -335,6 +335,10 @@ SOLIDS = {
         "geometry.solid: expected an end_size of at most the thickness of equal layers "
         "(1/4 = 0.25), found 0.3",
     ),
+    "spans": (
+        {"length": 1, "layers": 1, "spans": {"pad": [0.2, 1.1]}},
+        "geometry.solid: expected spans that increase, up to the length 1, found pad = [0.2, 1.1]",
+    ),
     "key": (
         {"length": 1, "layers": 1, "skw": 5},
         "geometry.solid.skw: unknown key; did you mean 'skew'?",
