@@ -17,7 +17,7 @@ from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.withheld import Lack, Withheld
-from fretfe.quality.ends import EndAnswer, write_answer
+from fretfe.quality.ends import EndAnswer, Meeting, write_answer
 from fretfe.report.page.headline import headline
 from fretfe.report.texts import number, with_error
 from fretfe.results.front_ends import find_end
@@ -183,3 +183,46 @@ def test_a_worst_station_beside_an_end_names_it(tmp_path: Path) -> None:
     other = replace(found, name="main.1.end")
     write_answer(result, other, folder)
     assert headline(replace(result, directory=tmp_path)).worst == first
+
+
+@pytest.mark.parametrize("part", [9.6, 19.0])
+def test_sub_models_that_agree_are_trusted_where_the_run_is_not(
+    tmp_path: Path, part: float
+) -> None:
+    result = straight(mirrored=False)
+    (contact,) = result.contacts
+    (front,) = contact.fronts
+    stations = [
+        replace(each, k_n_spread=0.2 * each.k_n, k_range_spread=0.3 * each.k_range)
+        for each in front.stations
+    ]
+    front = replace(front, stations=tuple(stations))
+    result = replace(
+        result, contacts=(replace(contact, fronts=(front,)),), directory=tmp_path, failure=None
+    )
+    worst, end = front.stations[1], find_end(result, "main.1.start")
+    assert end is not None
+    met = Meeting("main.1.1", 0.375, worst.k_range, worst.k_range_spread, part, 0.1, 50.0, 1.0)
+    none = np.empty(0)
+    found = EndAnswer(
+        end.name, end.point, none, none, none, none, 0.1, 0.01, 0.3, (), meetings=(met,)
+    )
+    (tmp_path / ENDS / end.name).mkdir(parents=True)
+    write_answer(result, found, tmp_path / ENDS / end.name)
+    first, doubts = headline(result), ("K_N is known to 20% only", "|ΔK| is known to 30% only")
+    agrees = part < 10
+    assert ("; by sub-models there K_N 50.0 ± 1.0 MPa/√mm, |ΔK| 9.60 ± 0.10" in first.worst) is (
+        agrees
+    )
+    assert all((doubt in first.trust) is not agrees for doubt in doubts)
+
+
+def test_what_the_plane_problem_shows_nodes_need_not() -> None:
+    def local(station: Station) -> Station:
+        zones = (
+            replace(zone, resolved=False, local=zone.length, local_spread=0.05 * zone.length)
+            for zone in station.slip_zones
+        )
+        return replace(station, slip_zones=tuple(zones))
+
+    assert "does not resolve the slip zone" not in headline(changed(local)).trust
