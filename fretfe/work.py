@@ -129,6 +129,26 @@ class Work:
                     "through which the run would write to another place"
                 )
 
+    def _require_own(self, *, with_case: bool) -> None:
+        """Check that a folder without a run has no files that one would remove or replace.
+
+        Args:
+            with_case: whether the case file is there, which stays as it is.
+
+        Raises:
+            OutputError: if it has; they are somebody's.
+        """
+        if (self.directory / MARK).exists():
+            return
+        kept = {LOCK, CASE_COPY} if with_case else {LOCK}
+        if found := sorted(
+            each.name for each in self.directory.iterdir() if each.name in TAKEN - kept
+        ):
+            raise OutputError(
+                f"{self.directory}: expected a new folder, or that of an earlier run, found "
+                f"{' and '.join(found)} without the {MARK} of a run, which would be replaced"
+            )
+
     def begin(self, *, resume: bool) -> bool:
         """Take the folder for this run; with `resume` go on with the one in it, if there is one.
 
@@ -136,8 +156,8 @@ class Work:
             True if the run in it is complete.
 
         Raises:
-            OutputError: if another case would be written over the case file, or the run in the
-                folder is another one.
+            OutputError: if another case would be written over the case file, the run in the
+                folder is another one, or files there are of no run.
         """
         target = self.directory / CASE_COPY
         copied = target.resolve() == self._case.source.resolve()
@@ -147,6 +167,7 @@ class Work:
                 f"{target}, which the case with other values would replace"
             )
         self.require_apart()
+        self._require_own(with_case=copied)
         digests = (input_digests(each).items() for each in self._cases)
         self._mark["inputs"] = dict(chain.from_iterable(digests))
         before = read_mark(self.directory) if resume else None

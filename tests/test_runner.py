@@ -96,6 +96,16 @@ def test_links_of_somebody_else_are_not_written_through(
     assert (outside / "a.png").read_text() == "of somebody else"
 
 
+@pytest.mark.parametrize("name", ["case.toml", "stations.csv", "report.html"])
+def test_files_of_no_run_are_not_replaced(tmp_path: Path, name: str) -> None:
+    (tmp_path / name).write_text("of somebody else")
+    for resume in (False, True):
+        with pytest.raises(OutputError, match=f"found {name} without the run.json"):
+            RUNNER.run(parse_case(pad()), tmp_path, resume=resume)
+    assert [each.name for each in tmp_path.iterdir()] == [name]
+    assert (tmp_path / name).read_text() == "of somebody else"
+
+
 def test_links_in_place_of_results_are_replaced(tmp_path: Path) -> None:
     outside, out = tmp_path / "outside", tmp_path / "out"
     outside.write_text("of somebody else")

@@ -92,6 +92,13 @@ class ModelLimit:
         return self.found > self.limit
 
     @property
+    def used(self) -> float:
+        """What is found over the limit, which may be zero; NaN if it could not be measured."""
+        if self.limit > 0:
+            return self.found / self.limit
+        return self.found * math.inf if self.found else 0.0
+
+    @property
     def doubtful(self) -> bool:
         """True if the quantity is so small or large that a unit is likely to be wrong."""
         least, most = DOUBTED

@@ -3,13 +3,16 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 import pytest
 from cases import cycled_sphere
 from cases.solid_runs import FRICTION, stationed_sphere
 
 from fretfe.case import parse_case
-from fretfe.evaluate.limits import with_crossed_spreads
+from fretfe.caution import Kind
+from fretfe.evaluate.limits import ModelLimit, with_crossed_spreads
 
 NICKEL = {"elastic": {"cubic": [252e3, 161e3, 131e3]}}
 OCTAHEDRAL = {**NICKEL, "orientation": {"y": [1, 1, 1], "x": [1, -1, 0]}}
@@ -30,3 +33,11 @@ def test_k_n_of_crystals_holds_what_shear_does_to_the_pressure(
         assert same == k_n
         added = 0.5 * cross * FRICTION * k_n
         assert np.sqrt(wider**2 - bar**2) == pytest.approx(added, rel=0.01, abs=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("found", "limit", "used"), [(0.1, 0.2, 0.5), (0.0, 0.0, 0.0), (0.1, 0.0, math.inf)]
+)
+def test_limits_may_be_zero(found: float, limit: float, used: float) -> None:
+    """The temperature beyond a table, for one."""
+    assert ModelLimit("main", Kind.TEMPERATURE_TABLE, "", found, limit).used == used

@@ -348,7 +348,7 @@ def _nearest_limits(run: Result) -> list[ModelLimit]:
     for limit in run.limits:
         limits.setdefault(limit.quantity, []).append(limit)
     return [
-        max(each, key=lambda one: (one.exceeded, math.isnan(one.found), one.found / one.limit))
+        max(each, key=lambda one: (one.exceeded, math.isnan(one.found), one.used))
         for each in limits.values()
     ]
 
