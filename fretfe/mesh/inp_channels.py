@@ -11,6 +11,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.mesh.inp import real
 from fretfe.mesh.inp_cards import Card
 from fretfe.mesh.inp_groups import SAME
@@ -125,22 +126,33 @@ def _short(value: float) -> float:
 def repeated(channels: Sequence[Channel]) -> tuple[float, float] | None:
     """Begin and end of the last time that loads run through all they run through again and again.
 
-    That is the shortest span up to the last return of all loads to where they stood once before,
-    in which each has its extremes of the longest such span. None if they end without any load, as
-    a mission does, or never return.
+    Of all spans between two times at which all loads stand alike, that is the shortest one in which
+    they vary as much as in any, and the last of these: a ramp before the first cycle is no part of
+    it. None if the loads end without any, as a mission does, or never return.
     """
     times = np.array(sorted({0.0} | {time for each in channels for time, *_ in each.points}))
     values = np.zeros((len(times), len(channels)))
     for place, each in enumerate(channels):
         known, levels, _ = zip((0.0, 0.0, 1), *each.points, strict=True)
         values[:, place] = np.interp(times, known, levels)
-    within = SAME * np.abs(values).max(axis=0, initial=0.0)
-    if (np.abs(values[-1]) <= within).all():
+    size = np.abs(values).max(axis=0, initial=0.0)
+    values = values / np.where(size > 0, size, 1.0)
+    if (np.abs(values[-1]) <= SAME).all():
         return None
-    for end in range(len(times) - 1, 1, -1):
-        alike = (np.abs(values[:end] - values[end]) <= within).all(axis=1)
-        ranges = np.array([np.ptp(values[begin : end + 1], axis=0) for begin in range(end)])
-        whole = alike & (ranges >= ranges[np.argmax(alike)] - within).all(axis=1)
-        if alike.any() and (ranges[np.argmax(alike)] > within).any():
-            return _short(times[np.flatnonzero(whole)[-1]]), _short(times[end])
-    return None
+
+    def ranges(begin: int, end: int) -> Array:
+        return np.asarray(np.ptp(values[begin : end + 1], axis=0))
+
+    stand = np.unique(np.rint(values / SAME), axis=0, return_inverse=True)[1].ravel()
+    returns = [np.flatnonzero(stand == load).tolist() for load in np.unique(stand)]
+    widest = max((ranges(ends[0], ends[-1]) for ends in returns), key=np.sum)
+    if not (widest > SAME).any():
+        return None
+    spans = []
+    for ends in returns:
+        for place, end in enumerate(ends):
+            wide = (n for n in ends[:place][::-1] if (ranges(n, end) >= widest - SAME).all())
+            if (ranges(ends[0], end) >= widest - SAME).all():
+                spans.append((next(wide), end))
+    begin, end = min(spans, key=lambda span: (_short(times[span[1]] - times[span[0]]), -span[1]))
+    return _short(times[begin]), _short(times[end])

@@ -374,6 +374,7 @@ def test_a_force_on_a_node_is_spread_over_what_is_named_around_it(tmp_path: Path
 
 
 CYCLE = "*AMPLITUDE, NAME=C\n" + "".join(f"{n / 8}, {(0, 1, 0, -1)[n % 4]}.\n" for n in range(9))
+CYCLE += "*AMPLITUDE, NAME=R\n0., 0.\n.125, 1.\n.375, -1.\n.625, 1.\n.875, -1.\n1., 0.\n"
 PRESS = step("*DSLOAD", "HEAD, P, 10.")
 
 
@@ -386,6 +387,8 @@ PRESS = step("*DSLOAD", "HEAD, P, 10.")
         (PRESS + "".join(step("*CLOAD", f"CREST, 1, {q}") for q in (1, -1, 1)), (2.0, 4.0)),
         (PRESS + "".join(step("*CLOAD", f"CREST, 1, {q}") for q in (1, -1, 1))
          + step("*CLOAD", "CREST, 1, .5"), (2.0, 4.0)),
+        # without the ramp to it, where the loads end as they stood before that
+        (PRESS + step("*CLOAD, AMPLITUDE=R", "CREST, 1, .5", static=".125, 1."), (1.375, 1.875)),
         # a mission has its own, a single push none
         (PRESS + step("*DSLOAD", "HEAD, P, 0."), None),
         (PRESS + step("*CLOAD", "CREST, 1, 1."), None),
