@@ -11,6 +11,7 @@ import os
 import platform
 import re
 import resource
+import shutil
 import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
@@ -200,9 +201,20 @@ def without_launcher(environment: Mapping[str, str]) -> dict[str, str]:
     }
 
 
+RANKS = ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK")
+
+
 def rank_from_environment() -> int:
     """Rank that an MPI launcher announces; known before, and without, MPI."""
-    for name in ("PMI_RANK", "OMPI_COMM_WORLD_RANK", "PMIX_RANK"):
-        if name in os.environ:
-            return int(os.environ[name])
-    return 0
+    return next((int(os.environ[name]) for name in RANKS if name in os.environ), 0)
+
+
+def launched() -> bool:
+    """True if an MPI launcher has started this process."""
+    return any(name in os.environ for name in RANKS)
+
+
+def launcher() -> str | None:
+    """Path of the `mpirun` of this Python's MPI: a wheel's or Conda's stands beside it."""
+    own = Path(sys.executable).with_name("mpirun")
+    return str(own) if own.exists() else shutil.which("mpirun")

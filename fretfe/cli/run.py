@@ -4,11 +4,13 @@
 from __future__ import annotations
 
 import json
+import os
+import sys
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import TYPE_CHECKING, Annotated, Any, NoReturn, TypeVar
 
 import typer
 
@@ -25,7 +27,8 @@ from fretfe.cli.options import (
     examples,
     verbosity_of,
 )
-from fretfe.environment import rank_from_environment
+from fretfe.environment import idle_cores, launched, launcher, rank_from_environment
+from fretfe.errors import DependencyError
 from fretfe.faults import Fault, guarded, require_none
 
 if TYPE_CHECKING:
@@ -44,7 +47,7 @@ RUN_EXAMPLES = examples(
     "fretfe run pad.toml -o pad",
     "fretfe run pad.toml -o pad70 --set loads.shear.amplitude=70",
     "fretfe run pad.toml -o half --backend halfplane",
-    "mpirun -n 4 fretfe run pad.toml -o pad",
+    "fretfe run pad.toml -o pad --ranks 4",
 )
 # The backend that needs a mesh.
 MESHES = "fem"
@@ -78,8 +81,13 @@ def run(
     quiet: Quiet = False,
     verbose: Verbose = False,
     trust_geo: TrustGeo = False,
+    ranks: Annotated[
+        int, typer.Option(min=1, help="Processes to run on; starts the right mpirun.")
+    ] = 1,
 ) -> None:
     """Solve a case and write its results."""
+    if ranks > 1:
+        _start_ranks(ranks)
     verbosity, start = verbosity_of(quiet, verbose), time.perf_counter()
     if not rank_from_environment() and verbosity is not Verbosity.QUIET:
         _say(f"reading {case} and loading the backend {backend}")
@@ -104,6 +112,23 @@ def run(
     if failure is not None:
         raise failure
     require_none((*result.faults, *(ended.faults if ended else ())), output)
+
+
+def _start_ranks(ranks: int) -> NoReturn:
+    """Run this command on several processes, in place of this one."""
+    cores, mpirun = idle_cores() + 1, launcher()
+    if launched():
+        raise typer.BadParameter("--ranks: expected a command without mpirun, which started this")
+    if ranks > cores:
+        raise typer.BadParameter(f"--ranks: expected at most {cores}, the cores, found {ranks}")
+    if mpirun is None:
+        raise DependencyError("--ranks: expected mpirun beside Python or in PATH, found none")
+    words = [each for each in sys.argv[1:] if not each.startswith("--ranks=")]
+    if "--ranks" in words:
+        place = words.index("--ranks")
+        del words[place : place + 2]
+    sys.stdout.flush()
+    os.execv(mpirun, [mpirun, "-n", str(ranks), sys.executable, "-m", "fretfe", *words])
 
 
 def _announce_replacement(directory: Path) -> None:
