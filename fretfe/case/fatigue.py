@@ -95,6 +95,47 @@ class GrowthTable(Table):
         return self
 
 
+Power = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=-5, lt=0)]
+
+
+class LifeTable(Table):
+    """Lives of smooth specimens: amplitudes at one R, or the law of Coffin and Manson.
+
+    Of the law `cycles` are the two lives between which it was tested, and 2 N reversals count.
+    """
+
+    cycles: Values
+    amplitudes: Values | None = None
+    ratio: Ratio | None = None
+    strength: Positive | None = None
+    exponent: Power | None = None
+    ductility: Positive | None = None
+    ductility_exponent: Power | None = None
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        table = [key for key in ("amplitudes", "ratio") if getattr(self, key) is not None]
+        law = [
+            key for key in ("strength", "exponent", "ductility", "ductility_exponent")
+            if getattr(self, key) is not None
+        ]  # fmt: skip
+        if (len(table), len(law)) not in ((2, 0), (0, 4)):
+            raise ValueError(
+                "expected amplitudes and ratio, or strength, exponent, ductility and "
+                f"ductility_exponent, found {', '.join((*table, *law)) or 'nothing'}"
+            )
+        require_increasing("cycles", self.cycles, self.amplitudes or self.cycles)
+        if law and len(self.cycles) != 2:
+            raise ValueError(
+                f"expected two lives, between which the law was tested, found {len(self.cycles)}"
+            )
+        if any(b >= a for a, b in pairwise(self.amplitudes or ())):
+            raise ValueError("expected amplitudes that fall, found some that do not")
+        if not 0.5 <= self.cycles[0] <= self.cycles[-1] <= 1e15:
+            raise ValueError("expected lives from 0.5 to 1e15 cycles, found others")
+        return self
+
+
 class Fatigue(Table):
     """Fatigue data of a material; nothing has a default.
 
@@ -105,6 +146,7 @@ class Fatigue(Table):
         torsion: amplitude that is endured under reversed torsion.
         threshold: of long cracks.
         growth: of long cracks, and the lengths between which a life is asked for.
+        life: of smooth specimens, for damage.
     """
 
     source: Text
@@ -113,6 +155,7 @@ class Fatigue(Table):
     torsion: Positive | None = None
     threshold: ThresholdTable | None = None
     growth: GrowthTable | None = None
+    life: LifeTable | None = None
 
     @model_validator(mode="after")
     def _ductile(self) -> Self:

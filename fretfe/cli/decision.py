@@ -63,7 +63,7 @@ def assess(
 
     from fretfe.api import assess as judge
     from fretfe.api import load_result
-    from fretfe.decision.assess import assessment_numbers
+    from fretfe.decision.record import assessment_numbers
     from fretfe.decision.texts import answer, details, governing_table, margin_table
 
     if at_least is not None and not math.isfinite(at_least):

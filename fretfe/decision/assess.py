@@ -11,22 +11,17 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass, replace
 from enum import Enum
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case import Body, Units, isotropic
-from fretfe.decision.endurance import (
-    Distance,
-    ShearAndPressure,
-    crossland,
-    dang_van,
-    distance_points,
-)
+from fretfe.decision.damage import Damage, counted_damage
+from fretfe.decision.distances import elastic_strain, judged_places, mean_stress
+from fretfe.decision.endurance import Distance, ShearAndPressure, crossland, dang_van
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
@@ -34,16 +29,10 @@ from fretfe.decision.thresholds import critical_length, growth_life, short_lengt
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import PAIRS, find_critical, findley, smith_watson_topper
-from fretfe.files import json_value
 from fretfe.plugins import plug_ins
 from fretfe.results.model import Result
 from fretfe.strength.fit import Survival
 from fretfe.strength.margins import Margin, result_labels, strength_map
-
-SCHEMA = {"name": "fretfe-assessment", "version": 1}
-# Attributes of an edge and of a judgement, which are keys of the file.
-OF_EDGE = ("contact", "edge", "body", "friction", "life", "bar", "spread")
-OF_JUDGEMENT = ("margin", "low", "high", "place", "outermost", "reason")
 
 
 class Criterion(Enum):
@@ -115,6 +104,7 @@ class EdgeAssessment:
         bar: relative error of stresses by the bars of K_N and ΔK_T; NaN where one is unknown.
         spread: error of the stress beside that of the tractions [stress].
         survival: probability to reach the life of the tests; None without tests that say so.
+        damage: of counted cycles; None without lives of smooth specimens.
     """
 
     contact: str
@@ -127,6 +117,7 @@ class EdgeAssessment:
     bar: float
     spread: float
     survival: Survival | None = None
+    damage: Damage | None = None
 
     @property
     def governing(self) -> Judgement | None:
@@ -279,8 +270,42 @@ def _edges(
             for number, body in enumerate((pair.body1, pair.body2)):
                 reason = data.disagreement(result.case.bodies[body])
                 field = reason or edge_field(result, contact, station, number)
-                found = _edge(result, (contact, station, body), data, field, by_tests)
-                yield replace(found, survival=None if margin is None else margin.survival)
+                yield replace(
+                    _edge(result, (contact, station, body), data, field, by_tests),
+                    survival=None if margin is None else margin.survival,
+                    damage=_damage(result, (contact, station, number), data, field),
+                )
+
+
+def _damage(
+    result: Result, at: tuple[Contact, Station, int], data: FatigueData, field: EdgeField | str
+) -> Damage | None:
+    """Of the counted cycles of an edge in one of its bodies, if lives are given."""
+    if data.life is None:
+        return None
+    if isinstance(field, str):
+        return Damage(reason=field)
+    contact, station, number = at
+    counted = station.cycles
+    first, last = result.solution.loads.evaluated
+    if len(counted.count) and not counted.closed:
+        ends = np.append(counted.start, counted.end)
+        first, last = int(ends.min()), int(ends.max())
+    whole = np.arange(first, last + 1)
+    if not np.isin(whole, field.states).all():
+        if result.has_stress:
+            return Damage(reason="the stress of meshed bodies is that of the worst counted cycle")
+        found = edge_field(result, *at, whole)
+        if isinstance(found, str):
+            return Damage(reason=found)
+        field = found
+    length = _length(data)
+    if not 2 * length <= field.reach(0.0):
+        return Damage(reason="the stress at the critical distance is not known")
+    pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
+    body = isotropic(result.case.bodies[(pair.body1, pair.body2)[number]])
+    assert body is not None
+    return counted_damage(field, station, data.life, body, length)
 
 
 def _edge(
@@ -403,36 +428,18 @@ def _by_distances(
     if reason or data.limit is None:
         yield from (Judgement(each, reason=reason) for each in list(Criterion)[2:])
         return
-    places = _places(field, station, length)
+    places = judged_places(field, station, length)
     limit = data.limit.stress_range**2 / (1 - data.limit.ratio) / (2 * body.young)
     for criterion, method in METHODS.items():
-        stress = _mean(field, places, method, length)
-        found = find_critical(stress, _strain(stress, body), smith_watson_topper)
+        stress = mean_stress(field, places, method, length)
+        found = find_critical(stress, elastic_strain(stress, body), smith_watson_topper)
         at = int(np.argmax(found.value))
         value = float(found.value[at])
         margin = math.sqrt(limit / value) if value > 0 else math.inf
         weight = _weight(stress[:, at], found.normal[at], body.young * value)
         judgement = bars.around(criterion, margin, float(places[at]), weight)
         yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
-    yield from _by_endurance(_mean(field, places, "point", length), places, data, body, bars)
-
-
-def _places(field: EdgeField, station: Station, length: float) -> Array:
-    """(m,) x along the surface: a few critical distances around the edge, all of the slip zone."""
-    outward, inward = field.smooth.widest
-    zone = station.longest_zone
-    slip = 0.0 if zone is None or not math.isfinite(zone.length) else zone.length
-    return np.linspace(-min(5 * length, outward), min(max(2 * length, slip), inward), 22)
-
-
-def _mean(field: EdgeField, places: Array, method: Distance, length: float) -> Array:
-    """(n, m, 6) mean stress below places of the surface, as of `critical_planes.PAIRS`."""
-    below, weights = distance_points(method, length)
-    points = np.stack([places, np.zeros_like(places)], axis=1)[:, None] + below
-    stress = field.stress(points.reshape(-1, 2)).reshape(-1, len(places), len(weights), 4)
-    found = np.zeros((len(stress), len(places), 6))
-    found[..., :4] = np.einsum("npmc,m->npc", stress, weights)
-    return found
+    yield from _by_endurance(mean_stress(field, places, "point", length), places, data, body, bars)
 
 
 def _weight(stress: Array, normal: Array, product: float) -> float:
@@ -450,13 +457,6 @@ def _weight(stress: Array, normal: Array, product: float) -> float:
     return (pull + product / pull) / (2 * math.sqrt(product)) if product > 0 else 1.0
 
 
-def _strain(stress: Array, body: Body) -> Array:
-    """(n, M, 6) elastic strain, components of the tensor."""
-    strain = (1 + body.poisson) / body.young * stress
-    strain[..., :3] -= body.poisson / body.young * stress[..., :3].sum(axis=2, keepdims=True)
-    return np.asarray(strain)
-
-
 def _by_endurance(
     stress: Array, places: Array, data: FatigueData, body: Body, bars: _Bars
 ) -> Iterator[Judgement]:
@@ -472,7 +472,7 @@ def _by_endurance(
     values = (
         crossland(stress, ShearAndPressure.crossland(tension, torsion)),
         dang_van(stress, ShearAndPressure.dang_van(tension, torsion)),
-        find_critical(stress, _strain(stress, body), findley(k)).value
+        find_critical(stress, elastic_strain(stress, body), findley(k)).value
         / (torsion * math.sqrt(1 + k**2)),
     )
     for criterion, found in zip(criteria, values, strict=True):
@@ -515,40 +515,3 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
 
 def _slides(contact: Contact) -> bool:
     return any(zone.gross for each in contact.stations for zone in each.slip_zones)
-
-
-def assessment_numbers(found: Assessment) -> dict[str, Any]:
-    """The margins in the types of JSON; null for what is unknown, or infinite without a reason."""
-    worst = found.worst
-    return {
-        "schema": SCHEMA,
-        "result": found.result,
-        "others": [each.result for each in found.others],
-        "units": {"length": found.units.length, "stress": found.units.stress},
-        "material": str(found.material),
-        "source": found.source,
-        "critical_length": json_value(found.length),
-        "worst": None
-        if worst is None
-        else {
-            **{name: getattr(worst[0], name) for name in ("contact", "edge", "body")},
-            "criterion": worst[1].criterion.value,
-            "margin": json_value(worst[1].margin),
-        },
-        "edges": [
-            {
-                **{name: json_value(getattr(edge, name)) for name in OF_EDGE},
-                "survival": json_value(edge.survival and asdict(edge.survival)),
-                "arrest": None if edge.arrest is None else json_value(asdict(edge.arrest)),
-                "criteria": {
-                    each.criterion.value: {
-                        **{name: json_value(getattr(each, name)) for name in OF_JUDGEMENT},
-                        "range": json_value(found.range_of(edge, each.criterion)),
-                    }
-                    for each in edge.judgements
-                },
-            }
-            for edge in found.edges
-        ],
-        "remarks": list(found.remarks),
-    }

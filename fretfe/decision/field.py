@@ -131,7 +131,9 @@ class EdgeField:
         return self.stress(np.outer(distances, [math.sin(angle), -math.cos(angle)]))
 
 
-def edge_field(result: Result, contact: Contact, station: Station, number: int) -> EdgeField | str:
+def edge_field(
+    result: Result, contact: Contact, station: Station, number: int, states: Indices | None = None
+) -> EdgeField | str:
     """The stress around an edge, or the reason why it is not known.
 
     Args:
@@ -139,12 +141,16 @@ def edge_field(result: Result, contact: Contact, station: Station, number: int) 
         contact: of it.
         station: edge of the contact.
         number: of the body, 0 or 1.
+        states: of half-planes, others than those of the evaluated or worst cycle.
     """
     if reason := _obstacle(result, contact, station):
         return reason
     pair = _pair(result, contact)
     history = result.stress_history(contact.pair) if result.has_stress else None
-    states = judged_states(result.solution, result.contacts) if history is None else history.states
+    if history is not None:
+        states = history.states
+    elif states is None:
+        states = judged_states(result.solution, result.contacts)
     place = station.position[states]
     if not np.isfinite(place).all():
         return "its place is not known in all states of the cycle"

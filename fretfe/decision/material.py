@@ -11,10 +11,11 @@ from typing import Any
 import numpy as np
 
 from fretfe.case import AnyBody, Units, isotropic
-from fretfe.case.fatigue import Fatigue, GrowthTable, ThresholdTable
+from fretfe.case.fatigue import Fatigue, GrowthTable, LifeTable, ThresholdTable
 from fretfe.case.materials import read_material
 from fretfe.case.messages import complaint
 from fretfe.case.units import METRES, STRESSES
+from fretfe.decision.damage import SmoothLife
 from fretfe.decision.thresholds import FatigueLimit, GrowthLaw, Threshold
 from fretfe.errors import CaseError
 from fretfe.strength.margins import POISSON, YOUNG
@@ -33,6 +34,7 @@ class FatigueData:
         threshold: ΔK_th.
         growth: of long cracks.
         lengths: between which a life is asked for.
+        life: of smooth specimens.
     """
 
     path: Path
@@ -44,6 +46,7 @@ class FatigueData:
     threshold: Threshold | None
     growth: GrowthLaw | None
     lengths: tuple[float, float] | None
+    life: SmoothLife | None
 
     def disagreement(self, body: AnyBody) -> str:
         """Reason why a body is not of this material, or an empty text; alike as for tests."""
@@ -97,6 +100,7 @@ def fatigue_data(path: Path, units: Units) -> FatigueData:
         threshold=_threshold(table, intensity),
         growth=None if growth is None else _growth(growth, intensity, length),
         lengths=None if growth is None else (growth.start * length, growth.end * length),
+        life=None if table.life is None else _life(table.life, stress),
     )
 
 
@@ -124,3 +128,18 @@ def _growth(table: GrowthTable, intensity: float, length: float) -> GrowthLaw:
         assert table.factor is not None and table.exponent is not None
         law = GrowthLaw.paris(table.factor, table.exponent, (ranges[0], ranges[1]))
     return GrowthLaw(law.ranges * intensity, law.rates * length)
+
+
+def _life(table: LifeTable, stress: float) -> SmoothLife:
+    match table:
+        case LifeTable(amplitudes=tuple(amplitudes), ratio=float(ratio)):
+            return SmoothLife.of_amplitudes(
+                np.array(table.cycles), np.array(amplitudes) * stress, ratio
+            )
+        case LifeTable(
+            strength=float(strength), exponent=float(b),
+            ductility=float(strain), ductility_exponent=float(c),
+        ):  # fmt: skip
+            span = table.cycles[0], table.cycles[-1]
+            return SmoothLife.coffin_manson(span, (strength * stress, b), (strain, c))
+    raise AssertionError("a table has amplitudes or the law")

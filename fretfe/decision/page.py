@@ -15,8 +15,8 @@ from fretfe.decision.assess import (
     Assessment,
     EdgeAssessment,
     Judgement,
-    assessment_numbers,
 )
+from fretfe.decision.record import assessment_numbers
 from fretfe.decision.short_cracks import Arrest
 from fretfe.decision.texts import answer, details, governing_table, known_criteria, margin_table
 from fretfe.files import replace_text, writing

@@ -188,6 +188,7 @@ def details(found: Assessment) -> Iterator[str]:
             [] if survival is None else [survival_text(survival)],
             _cracks(edge, found.units.length),
             _short_elements(found, edge),
+            _damage(edge, found.units.length),
             _outermost(edge, found.units.length),
             _unknown(edge),
         ):
@@ -231,6 +232,22 @@ def _cracks(edge: EdgeAssessment, unit: str) -> Iterator[str]:
         yield f"no crack of {shortest} grows, up to {_factor(arrest.start)} times the stress"
     if math.isfinite(edge.life):
         yield f"{number(edge.life, 2)} cycles between the lengths of fatigue.growth"
+
+
+def _damage(edge: EdgeAssessment, unit: str) -> Iterator[str]:
+    """The damage of counted cycles, and how often it makes one."""
+    found = edge.damage
+    if found is None:
+        return
+    if found.reason:
+        yield f"damage by Miner is unknown: {found.reason}"
+        return
+    ends = list(dict.fromkeys(number(each, 3) for each in (found.low, found.high)))
+    yield (
+        f"damage by Miner {' to '.join(ends)} a repetition{_place(found.place, unit)}, over "
+        f"{found.cycles:g} counted cycles, each with the SWT life of smooth specimens at L/2: 1 "
+        f"after {number(1 / found.high, 2)} repetitions{' or more' * (len(ends) > 1)}"
+    )
 
 
 def _outermost(edge: EdgeAssessment, unit: str) -> Iterator[str]:

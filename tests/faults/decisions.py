@@ -35,6 +35,11 @@ start = 1e-4
 end = 2e-3
 """
 GOOD = tomllib.loads(TEXT)
+LIFE = {"ratio": -1.0, "cycles": [1e4, 1e5, 1e6], "amplitudes": [420.0, 330.0, 260.0]}
+LAW = {
+    "strength": 1165.0, "exponent": -0.081, "ductility": 1.14, "ductility_exponent": -0.67,
+    "cycles": [1e2, 1e7],
+}  # fmt: skip
 ASSESS = ("assess", "run", "--material", "alloy.toml", "--json")
 # Tables of [fatigue] that must be refused, with what they change.
 REFUSED: dict[str, dict[str, Any]] = {
@@ -81,6 +86,26 @@ REFUSED: dict[str, dict[str, Any]] = {
     },
     "growth from nothing": {"growth": {**GOOD["fatigue"]["growth"], "start": 0.0}},
     "growth of steep law": {"growth": {**GOOD["fatigue"]["growth"], "exponent": 300.0}},
+    "life without a ratio": {"life": {"cycles": [1e4, 1e6], "amplitudes": [400.0, 300.0]}},
+    "life of rising amplitudes": {"life": {**LIFE, "amplitudes": [300.0, 350.0, 400.0]}},
+    "life of equal amplitudes": {"life": {**LIFE, "amplitudes": [300.0, 300.0, 300.0]}},
+    "life of falling cycles": {"life": {**LIFE, "cycles": [1e6, 1e5, 1e4]}},
+    "life of other lengths": {"life": {**LIFE, "cycles": [1e4, 1e6]}},
+    "life of one test": {"life": {"ratio": -1.0, "cycles": [1e5], "amplitudes": [300.0]}},
+    "life of no cycles": {"life": {**LIFE, "cycles": [0.0, 1e5, 1e6]}},
+    "life of less than a cycle": {"life": {**LIFE, "cycles": [1e-3, 1e5, 1e6]}},
+    "life of endless cycles": {"life": {**LIFE, "cycles": [1e4, 1e5, 1e99]}},
+    "life of R = 1": {"life": {**LIFE, "ratio": 1.0}},
+    "life of nothing": {"life": {}},
+    "life of cycles alone": {"life": {"cycles": [1e4, 1e6]}},
+    "life of both kinds": {"life": {**LIFE, **LAW}},
+    "law without ductility": {"life": {k: v for k, v in LAW.items() if k != "ductility"}},
+    "law that rises": {"life": {**LAW, "exponent": 0.1}},
+    "law of no slope": {"life": {**LAW, "ductility_exponent": 0.0}},
+    "law of three lives": {"life": {**LAW, "cycles": [1e2, 1e4, 1e7]}},
+    "law of strength below zero": {"life": {**LAW, "strength": -1000.0}},
+    "law of a steep slope": {"life": {**LAW, "exponent": -300.0}},
+    "life as a number": {"life": 1e6},
     "another key": {"thresholds": {"range": 4.2}},
 }
 # Read, with margins or the reasons why there are none; they must not be silent.
@@ -106,6 +131,17 @@ ACCEPTED: dict[str, dict[str, Any]] = {
     "steps of rates": {
         "growth": {"ranges": [5.0, 5.0000001], "rates": [1e-9, 1e-3], "start": 1e-4, "end": 1e-3}
     },
+    "life": {"life": LIFE},
+    "life by a law": {"life": LAW},
+    "lives of short tests": {"life": {**LIFE, "amplitudes": [3.0, 2.0, 1.0]}},
+    "lives of strong tests": {"life": {**LIFE, "amplitudes": [3e30, 2e30, 1e30]}},
+    "lives of weak tests": {"life": {**LIFE, "amplitudes": [3e-30, 2e-30, 1e-30]}},
+    "lives of steps": {"life": {**LIFE, "amplitudes": [300.0, 299.9999999, 1.0]}},
+    "lives at R = -100": {"life": {**LIFE, "ratio": -100.0}},
+    "a law of steps": {"life": {**LAW, "exponent": -5.0, "ductility_exponent": -5.0}},
+    "life without a limit": {"life": LIFE, "limit": None, "torsion": None},
+    "life without a threshold": {"life": LIFE, "threshold": None},
+    "life of half a cycle": {"life": {**LAW, "cycles": [0.5, 0.50001]}},
     "units of inches": {"units": {"stress": "ksi", "length": "in"}},
 }
 # In place of a number of the table; none is one.

@@ -1,0 +1,42 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress around an edge at the critical distances, and its strain.
+
+Of n states at m places along the surface; components as of `critical_planes.PAIRS`.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Body
+from fretfe.decision.endurance import Distance, distance_points
+from fretfe.decision.field import EdgeField
+from fretfe.evaluate.contacts import Station
+
+
+def judged_places(field: EdgeField, station: Station, length: float) -> Array:
+    """(m,) x along the surface: a few critical distances around the edge, all of the slip zone."""
+    outward, inward = field.smooth.widest
+    zone = station.longest_zone
+    slip = 0.0 if zone is None or not math.isfinite(zone.length) else zone.length
+    return np.linspace(-min(5 * length, outward), min(max(2 * length, slip), inward), 22)
+
+
+def mean_stress(field: EdgeField, places: Array, method: Distance, length: float) -> Array:
+    """(n, m, 6) mean stress below places of the surface."""
+    below, weights = distance_points(method, length)
+    points = np.stack([places, np.zeros_like(places)], axis=1)[:, None] + below
+    stress = field.stress(points.reshape(-1, 2)).reshape(-1, len(places), len(weights), 4)
+    found = np.zeros((len(stress), len(places), 6))
+    found[..., :4] = np.einsum("npmc,m->npc", stress, weights)
+    return found
+
+
+def elastic_strain(stress: Array, body: Body) -> Array:
+    """(n, m, 6) components of the tensor."""
+    strain = (1 + body.poisson) / body.young * stress
+    strain[..., :3] -= body.poisson / body.young * stress[..., :3].sum(axis=2, keepdims=True)
+    return np.asarray(strain)
