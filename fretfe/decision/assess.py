@@ -386,6 +386,8 @@ def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
     """Arrest of cracks, and the life of the deepest one between two lengths."""
     if data.threshold is None or data.limit is None:
         return "fatigue.threshold and fatigue.limit are not both given", math.nan
+    if not math.isfinite(_length(data)):
+        return f"the threshold is not known at the R of the limit, {data.limit.ratio:g}", math.nan
     shortest = max(first_length(short_length(data.threshold, data.limit)), field.finest)
     if shortest >= field.reach(0.0):
         return (

@@ -141,12 +141,10 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
 
     Args:
         drive: of cracks at all angles.
-        threshold: of long cracks, in the units of the drive.
+        threshold: of long cracks, in the units of the drive, known at the R of the limit.
         limit: of smooth specimens.
     """
     a0 = short_length(threshold, limit)
-    if not math.isfinite(a0):
-        return f"the threshold is not known at the R of the limit, {limit.ratio:g}"
     known = np.isfinite(drive.ranges)
     long = threshold.at(np.where(drive.ranges > 0, drive.ratios, 0.0))
     if (lost := known & ~np.isfinite(long)).any():

@@ -200,6 +200,10 @@ def test_missing_data_are_named(tmp_path: Path) -> None:
     )
     assert "is needed down to" in coarse.edges[0].of(Criterion.POINT).reason
     assert not coarse.edges[0].of(Criterion.ARREST).reason
+    late = assess(
+        solved("halfplane"), write(tmp_path, threshold={"ratios": [0.7, 0.8], "ranges": [3.0, 2.0]})
+    )
+    assert "at the R of the limit, -1" in late.edges[0].of(Criterion.ARREST).reason
     huge = assess(
         solved("halfplane"), write(tmp_path, threshold={**FATIGUE["threshold"], "range": 4e4})
     )

@@ -134,7 +134,7 @@ ACCEPTED: dict[str, dict[str, Any]] = {
     "life": {"life": LIFE},
     "life by a law": {"life": LAW},
     "lives of short tests": {"life": {**LIFE, "amplitudes": [3.0, 2.0, 1.0]}},
-    "lives of strong tests": {"life": {**LIFE, "amplitudes": [3e30, 2e30, 1e30]}},
+    "lives of strong tests": {"life": {**LIFE, "amplitudes": [3e29, 2e29, 1e29]}},
     "lives of weak tests": {"life": {**LIFE, "amplitudes": [3e-30, 2e-30, 1e-30]}},
     "lives of steps": {"life": {**LIFE, "amplitudes": [300.0, 299.9999999, 1.0]}},
     "lives at R = -100": {"life": {**LIFE, "ratio": -100.0}},
