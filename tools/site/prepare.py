@@ -24,6 +24,7 @@ SECTIONS = {
         "tutorial-dovetail",
         "tutorial-sector",
         "tutorial-solids",
+        "tutorial-decision",
         "gallery",
         "glossary",
     ),
