@@ -20,6 +20,7 @@ from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.evaluate.evaluate import Tracks
 from fretfe.evaluate.loaded import evaluated_states, moving_state, with_own_cycle
+from fretfe.evaluate.plane.edge_fits import with_kink
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
@@ -261,7 +262,8 @@ def _choose_areas(solution: Solution, contact: ContactHistory, moving: int) -> _
     looked = np.append(states[firsts[chosen]], at)
     pressure = contact.traction[looked, :, 0]
     sections = plane_sections(contact.surface.arc, pressure)
-    edges = np.stack([fit_edge(section).position for section in sections], axis=1)
+    fits = with_kink([fit_edge(section) for section in sections], contact, pressure)
+    edges = np.stack([fit.position for fit in fits], axis=1)
     # The pressures of a flat under little load do not show its edges.
     known = np.isfinite(edges).all(axis=1)
     if not known[:-1].any():

@@ -49,8 +49,8 @@ class Punch:
     flat_half_width: float
 
 
-def wedge() -> Punch:
-    parameters = {"angle": ANGLE, "zone": 1.1, "size": 0.005, "growth": 0.2}
+def wedge(size: float = 0.005) -> Punch:
+    parameters = {"angle": ANGLE, "zone": 1.1, "size": size, "growth": 0.2}
     return Punch("wedge", parameters, Wedge(math.tan(math.radians(ANGLE)), E_STAR), 0.0)
 
 
@@ -136,3 +136,17 @@ def test_pressure(pressed: Pressed) -> None:
     error = contact.mean_traction[-1, inside, 0] - expected
     # 0.3 % at most, near the edge, where the mean around a node is below the value at the node
     assert np.abs(error).max() < 0.005 * expected.mean()
+
+
+@pytest.mark.parametrize("elements", [6.3, 8.4, 12.3])
+def test_wedges_on_few_elements(elements: float) -> None:
+    punch, _, summary = press(wedge(1 / elements))
+    exact = float(edge_factor_k_n(punch.profile, HALF_WIDTH))
+    # the bodies: a fine mesh has .3 % more than half-planes
+    allowed = 0.003 * exact
+    for station, place in zip(summary.stations, (-HALF_WIDTH, HALF_WIDTH), strict=True):
+        k_n, bar = station.decisive_k_n
+        assert abs(k_n - exact) < bar + allowed
+        # 5 % with 6 elements, before so much with 100
+        assert bar < 2 * exact / elements**2
+        assert abs(station.position[-1] - place) < 0.1 / elements

@@ -18,6 +18,7 @@ from fretfe.evaluate.missing_shear import (
     without_every_other,
     without_missing,
 )
+from fretfe.evaluate.plane.kink_fit import find_kink, fit_beside_kink
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, Section, plane_sections
 from fretfe.history.solution import ContactHistory
@@ -43,16 +44,41 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
         fitted = np.count_nonzero(pressure > 0, axis=1) >= FEWEST_NODES
         there = block.start + np.flatnonzero(fitted)
         sections = plane_sections(arc, pressure[fitted])
-        for front, section in zip(PLANE_FRONTS, sections, strict=True):
-            if couple is not None:
-                fit = _unlike_fit(contact, couple, front, pressure[fitted], shear[fitted])
-            else:
-                fit = fit_edge(section, solved=True)
+        if couple is not None:
+            tractions = pressure[fitted], shear[fitted]
+            fits = [_unlike_fit(contact, couple, front, *tractions) for front in PLANE_FRONTS]
+        else:
+            fits = [fit_edge(section, solved=True) for section in sections]
+        rows = zip(PLANE_FRONTS, sections, with_kink(fits, contact, pressure[fitted]), strict=True)
+        for front, section, fit in rows:
             # At the end of the surface the contact ends with the body, at a corner.
             inside = section.origin != front.from_front(arc)[0]
             parts[front.number][:, there[inside]] = np.array(astuple(fit))[:, inside]
     known = parts[..., np.searchsorted(states, source)]
     return tuple(EdgeFit(*front) for front in known)
+
+
+def with_kink(
+    fits: Sequence[EdgeFit], contact: ContactHistory, pressure: Array
+) -> tuple[EdgeFit, ...]:
+    """Fits at both edges, of wedges by the pressure beside their kink.
+
+    Args:
+        fits: of any contact.
+        contact: of which they are.
+        pressure: (T, N) in each state.
+    """
+    kink = find_kink(contact, pressure)
+    if kink is None:
+        return tuple(fits)
+    return tuple(map(_preferred, fit_beside_kink(contact.surface.arc, pressure, kink), fits))
+
+
+def _preferred(first: EdgeFit, second: EdgeFit) -> EdgeFit:
+    """The first fit in the states in which there is one, elsewhere the second."""
+    known = np.isfinite(first.k_n)
+    parts = zip(astuple(first), astuple(second), strict=True)
+    return EdgeFit(*(np.where(known, *pair) for pair in parts))
 
 
 def with_areas(

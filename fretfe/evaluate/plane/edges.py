@@ -17,11 +17,11 @@ from fretfe.evaluate.factors import SMALLEST_MOVE, FactorHistories, along_line, 
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
+from fretfe.evaluate.plane.edge_fits import with_kink
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
 from fretfe.evaluate.plane.section import (
     PLANE_FRONTS,
     PlaneFront,
-    main_patch,
     nearest_front,
     plane_sections,
 )
@@ -235,8 +235,9 @@ def moved_edge(
         return MovedEdge(
             stiffening=_growth_behind(contact, neighbours.state, front, half_width, exponent)
         )
-    patches = [main_patch(contact.surface.arc, pressure) for pressure in neighbours.pressure]
-    fit = fit_edge(front.section(contact.surface.arc, neighbours.pressure, patches), solved=True)
+    sections = plane_sections(contact.surface.arc, neighbours.pressure)
+    fits = [fit_edge(section, solved=True) for section in sections]
+    fit = with_kink(fits, contact, neighbours.pressure)[front.number]
     outward = -front.inward * float(fit.position[1] - fit.position[0])
     # A jammed blade root presses less when it is pulled more: its edges move inward then.
     moved = abs(outward)
