@@ -200,7 +200,8 @@ def evened(
 
     The slip is made what steady growth would leave; of all versions of the growth, and steady
     growth, that one counts which leaves the straightest lines: steady growth if it is clearly
-    straighter, or if only the end of the growth tells otherwise, and not clearly.
+    straighter, or if only the end of the growth tells otherwise, and not clearly. The bar then
+    holds half of the way to those that are not clearly less straight.
 
     Args:
         growth: of the zone.
@@ -211,12 +212,14 @@ def evened(
     """
     if border.gross or not border.length > 0:
         return border
-    jump = growth.beyond
+    jump, apart = growth.beyond, size / math.sqrt(12)
     if growth.even:
-        return replace(border, beyond=jump * border.length)
+        # Borders behind edges that move are off by up to .27 of an element.
+        spread = math.hypot(border.spread, apart if growth.loose > 2 * LOOSE else 0.0)
+        return replace(border, spread=spread, beyond=jump * border.length)
     versions = [each for each in growth.versions() if not each.even]
-    weight = 1 / CLEARLY if growth.nearly_even else CLEARLY
-    apart = size / math.sqrt(12)
+    nearly = growth.nearly_even
+    weight = 1 / CLEARLY if nearly else CLEARLY
     if border.length < FEWEST * size:
         missed = min(abs(border.length - each.length) for each in versions)
         spread = math.hypot(border.spread, apart, missed)
@@ -225,7 +228,7 @@ def evened(
     straight = [each.spread * (weight if each is border else 1.0) for each in found]
     number = int(np.argmin(straight))
     best = found[number]
-    rivals = [each for each in found if each.spread < best.spread]
+    rivals = [each for each in found if each.spread < (CLEARLY if nearly else 1.0) * best.spread]
     doubt = max((abs(each.length - best.length) / 2 for each in rivals), default=0.0)
     changed = UNSURE * (best.length - border.length)
     spread = math.hypot(best.spread, apart, changed, doubt)
