@@ -119,7 +119,8 @@ def test_bars_hold_half_planes_and_mean_something() -> None:
     every, of_places = np.concatenate(ratios), np.concatenate(shifts)
     assert np.mean(every >= 1) >= 0.95
     assert np.mean(of_places >= 1) >= 0.95
-    assert np.median(every) < 7
+    # Of finite elements, whose errors are larger, 3 to 6.
+    assert np.median(every) < 8
     assert np.median(of_places) < 7
 
 
