@@ -53,10 +53,10 @@ MARKERS = "os^Dv"
 COLOURS = "viridis"
 # Tints of bodies, which stay apart in grey; with more bodies they begin again.
 TINTS = ("#CFE3F1", "#FBF0D9", "#DDDDDD")
-# Lines of bodies and elements, as arguments of a LineCollection.
+# Lines of bodies and elements, as arguments of a collection.
 OUTLINE: dict[str, Any] = {"colors": "#202020", "linewidths": 0.7}
 UNDEFORMED: dict[str, Any] = {"colors": "#808080", "linewidths": 0.6, "linestyles": "dotted"}
-ELEMENTS: dict[str, Any] = {"colors": "#8A8A8A", "linewidths": 0.35}
+ELEMENTS: dict[str, Any] = {"colors": "#8A8A8A", "linewidths": 0.5}
 # Dark and solid under light and dashed, so that both surfaces of a contact are seen in grey too.
 SURFACES: tuple[dict[str, Any], ...] = (
     {"color": BLUE, "linewidth": 3.4, "linestyle": "-"},
@@ -97,6 +97,7 @@ STYLE: Any = {
     "axes.titlesize": 8.5,
     "axes.formatter.useoffset": False,
     "figure.titlesize": HEADING,
+    "xtick.labelsize": 8.5,
     "xtick.major.width": 0.7,
     "ytick.major.width": 0.7,
     "legend.frameon": False,

@@ -3,7 +3,7 @@
 
 Matplotlib makes five artists for each tick and asks all of them in each pass of a layout: that took
 more than half of the time of a plot. Places and numbers are still those of its locators and
-formatters.
+formatters, and both axes look as the style says of ticks of x.
 """
 
 from __future__ import annotations
@@ -27,9 +27,6 @@ from matplotlib.ticker import NullLocator
 from matplotlib.transforms import ScaledTranslation
 
 from fretfe._typing import Array
-
-# Points: length and width of ticks. Numbers stand a length of the major ones beyond these.
-MARKS = {"major": (3.5, 0.7), "minor": (2.0, 0.6)}
 
 
 @dataclass(frozen=True)
@@ -62,15 +59,21 @@ class _Ticks:
 
     def depth(self) -> float:
         """Points from the axes to the far side of the numbers."""
-        size, turned = mpl.rcParams["font.size"], math.radians(self.rotation)
+        turned, size = math.radians(self.rotation), mpl.rcParams["xtick.labelsize"]
         font = FontProperties(family=mpl.rcParams["font.family"], size=size)
-        shown = (number for number in self.numbers if number)
-        boxes = (text_to_path.get_text_width_height_descent(each, font, False) for each in shown)
+        # A line of text has the height of letters that reach highest and lowest.
+        sizes = [text_to_path.get_text_width_height_descent(n, font, False) for n in self.numbers]
+        height = text_to_path.get_text_width_height_descent("lp", font, False)[1]
         along, across = abs(math.cos(turned)), abs(math.sin(turned))
         if self.which == "x":
             along, across = across, along
-        reach = max((w * along + h * across for w, h, _ in boxes), default=0.0)
-        return float(MARKS["major"][0] * (1 + any(self.numbers)) + reach)
+        reach = max((width * along for width, _, _ in sizes), default=0.0) + height * across
+        return _beyond_marks() + reach if any(self.numbers) else mpl.rcParams["xtick.major.size"]
+
+
+def _beyond_marks() -> float:
+    """Points from the axes to the near side of the numbers."""
+    return mpl.rcParams["xtick.major.size"] + mpl.rcParams["xtick.major.pad"]
 
 
 def draw_ticks(figure: Figure) -> None:
@@ -135,7 +138,11 @@ def _place(ticks: _Ticks) -> tuple[str, int]:
 def _draw(ticks: _Ticks) -> None:
     axes, across = ticks.axes, ticks.which == "x"
     transform = axes.get_xaxis_transform() if across else axes.get_yaxis_transform()
-    for (length, width), places in zip(MARKS.values(), (ticks.major, ticks.minor), strict=True):
+    look = mpl.rcParams
+    for places, length, width in (
+        (ticks.major, look["xtick.major.size"], look["xtick.major.width"]),
+        (ticks.minor, look["xtick.minor.size"], look["xtick.minor.width"]),
+    ):
         ends = places, np.zeros(len(places))
         marks: Any = {"marker": TICKDOWN if across else TICKLEFT, "ms": length, "mew": width}
         line = Line2D(
@@ -146,8 +153,11 @@ def _draw(ticks: _Ticks) -> None:
         axes.add_artist(line)
     _draw_grid(ticks)
     place = axes.get_xaxis_text1_transform if across else axes.get_yaxis_text1_transform
-    moved, vertical, horizontal = place(2 * MARKS["major"][0])
-    style: Any = {"transform": moved, "va": vertical, "ha": horizontal, "rotation": ticks.rotation}
+    moved, vertical, horizontal = place(_beyond_marks())
+    style: Any = {
+        "transform": moved, "va": vertical, "ha": horizontal, "rotation": ticks.rotation,
+        "size": look["xtick.labelsize"],
+    }  # fmt: skip
     for at, number in zip(ticks.major, ticks.numbers, strict=True):
         if number:
             x, y = (at, 0.0) if across else (0.0, at)

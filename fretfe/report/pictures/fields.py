@@ -72,16 +72,27 @@ class Grid:
         """(m, c) nodes at the corners of the elements."""
         return self.cells[:, : CORNERS[SHAPES[self.points.shape[1], self.cells.shape[1]]]]
 
-    @cached_property
+    @property
+    def edges(self) -> Indices:
+        """(e, 2 or 3) nodes along each edge of elements in the plane, once."""
+        return self._edges[0]
+
+    @property
     def outline(self) -> Indices:
         """(f, 2 or 3) nodes along the edges that belong to one element only, in the plane."""
+        edges, counts = self._edges
+        return edges[counts == 1]
+
+    @cached_property
+    def _edges(self) -> tuple[Indices, Indices]:
+        """Edges in the plane, and the number of elements of each."""
         pattern = np.array(EDGES[self.cells.shape[1]])
         edges = self.cells[:, pattern].reshape(-1, pattern.shape[1])
         middles = self.points[edges[:, 0]] + self.points[edges[:, -1]]
         # Nodes of neighbouring elements are at exactly the same place.
         places = np.ascontiguousarray(middles).view(np.complex128).ravel()
-        _, numbers, counts = np.unique(places, return_inverse=True, return_counts=True)
-        return edges[counts[numbers] == 1]
+        _, first, counts = np.unique(places, return_index=True, return_counts=True)
+        return edges[first], counts
 
     @cached_property
     def faces(self) -> Indices:

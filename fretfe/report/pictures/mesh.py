@@ -33,6 +33,7 @@ from fretfe.mesh.elements import CORNERS, shape_values
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.report.pictures.panels import (
     View,
+    draw_cells,
     few_ticks,
     name_axes,
     panel_inches,
@@ -453,12 +454,7 @@ def _draw_pale_bodies(panel: Axes, bodies: Iterable[BodyMesh], view: View) -> No
     for number, body in enumerate(bodies):
         colour = BODIES[number % len(BODIES)]
         for part in cell_outlines(body)[0]:
-            cells = list(view.local(part[view.overlaps(part)]))
-            # Lines of the same colour close the seams between the elements.
-            panel.add_collection(
-                PolyCollection(cells, facecolors=colour, edgecolors=colour, linewidths=0.3),
-                autolim=False,
-            )
+            draw_cells(panel, view.local(part[view.overlaps(part)]), colour)
 
 
 def _draw_contact(panel: Axes, contact: ContactHistory, state: int, view: View) -> None:

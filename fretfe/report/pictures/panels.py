@@ -13,8 +13,9 @@ import numpy.typing as npt
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import LineCollection
+from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
 from PIL import Image as Pillow
@@ -22,6 +23,7 @@ from PIL import Image as Pillow
 from fretfe._typing import Array, Bools
 from fretfe.files import replacing
 from fretfe.report.theme import PICTURE_DPI, PICTURE_HEIGHT, PICTURE_WIDTH
+from fretfe.report.ticks import draw_ticks
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -31,6 +33,8 @@ SLIGHTLY = 0.9
 TEXTS = 0.7
 # Layouts until a picture has its size: colour bars change a little with it.
 PASSES = 3
+# Lines in one path: far below what Agg takes.
+MANY = 2000
 # Height of a colour bar over its width.
 BAR_ASPECT = 28
 # Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
@@ -158,6 +162,11 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
         heading: of the picture, above its first panel.
     """
     title = figure.suptitle(heading, ha="left")
+    draw_ticks(figure)
+    for each in axes:
+        for spine in each.spines.values():
+            # It ends where its panel does.
+            spine.set_in_layout(False)
     grid = axes[0].get_gridspec()
     assert grid is not None
     layout = figure.get_layout_engine()
@@ -211,10 +220,31 @@ def show_image(axes: Axes, image: Pixels) -> None:
     axes.imshow(image, extent=(left, right, low, high), interpolation="nearest", aspect="auto")
 
 
-def draw_lines(axes: Axes, lines: Sequence[Array], **style: Any) -> None:
+def draw_lines(axes: Axes, lines: Sequence[Array], *, colors: str, **style: Any) -> None:
     """Lines (n, k, 2), several arrays of them."""
     for each in lines:
-        axes.add_collection(LineCollection(list(each), **style), autolim=False)
+        _draw(axes, _joined(each, closed=False), facecolors="none", edgecolors=colors, **style)
+
+
+def draw_cells(axes: Axes, cells: Array, colour: str) -> None:
+    """Polygons (n, k, 2) that cover a part of a body, without seams between them."""
+    _draw(axes, _joined(cells, closed=True), facecolors=colour, edgecolors=colour, linewidths=0.3)
+
+
+def _draw(axes: Axes, paths: list[Outline], **style: Any) -> None:
+    axes.add_collection(PathCollection(paths, **style), autolim=False)
+
+
+def _joined(lines: Array, closed: bool) -> list[Outline]:
+    """Many lines (n, k, 2) as few paths: to make one of each takes longer than to draw it."""
+    if closed:
+        lines = np.concatenate([lines, lines[:, :1]], axis=1)
+    codes = np.full(lines.shape[1], Outline.LINETO, dtype=np.uint8)
+    codes[0] = Outline.MOVETO
+    if closed:
+        codes[-1] = Outline.CLOSEPOLY
+    parts = [lines[first : first + MANY] for first in range(0, len(lines), MANY)]
+    return [Outline(part.reshape(-1, 2), np.tile(codes, len(part))) for part in parts]
 
 
 def plural(style: Mapping[str, Any]) -> dict[str, Any]:

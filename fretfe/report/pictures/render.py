@@ -30,7 +30,7 @@ from fretfe.errors import FretfeError
 from fretfe.faults import said, trace_of
 from fretfe.files import disk_reason, replacing
 from fretfe.history.solution import OPEN
-from fretfe.report.pictures.fields import EDGES, BodyField, Fields, Scene, open_fields
+from fretfe.report.pictures.fields import BodyField, Fields, Scene, open_fields
 from fretfe.report.pictures.looks import (
     BODIES_PERCENTAGE,
     EDGE_ASPECT,
@@ -190,12 +190,10 @@ def draw_edges(source: Fields, edges: Sequence[EdgePlace]) -> tuple[Figure, str]
 
 def _draw_elements(panel: Axes, body: BodyField, view: View) -> None:
     """Outlines of the elements that are seen, and of the body."""
-    points = view.local(body.deformed(1.0))
-    cells = body.grid.cells[view.overlaps(body.deformed(1.0)[body.grid.cells])]
-    edges = points[cells[:, np.array(EDGES[cells.shape[1]])]]
-    draw_lines(panel, [edges.reshape(-1, *edges.shape[2:])], **ELEMENTS)
-    outline = body.grid.outline[view.overlaps(body.deformed(1.0)[body.grid.outline])]
-    draw_lines(panel, [points[outline]], **OUTLINE)
+    places = body.deformed(1.0)
+    points = view.local(places)
+    for edges, style in ((body.grid.edges, ELEMENTS), (body.grid.outline, OUTLINE)):
+        draw_lines(panel, [points[edges[view.overlaps(places[edges])]]], **style)
 
 
 def _colour_text(
