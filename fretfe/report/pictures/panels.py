@@ -33,8 +33,6 @@ SLIGHTLY = 0.9
 TEXTS = 0.7
 # Layouts until a picture has its size: colour bars change a little with it.
 PASSES = 3
-# Lines in one path: far below what Agg takes.
-MANY = 2000
 # Height of a colour bar over its width.
 BAR_ASPECT = 28
 # Tones of a colour map and of grey in a file: finer ones are not seen, and it is much smaller.
@@ -243,7 +241,8 @@ def _joined(lines: Array, closed: bool) -> list[Outline]:
     codes[0] = Outline.MOVETO
     if closed:
         codes[-1] = Outline.CLOSEPOLY
-    parts = [lines[first : first + MANY] for first in range(0, len(lines), MANY)]
+    # Parts that are far below what Agg takes.
+    parts = np.split(lines, range(2000, len(lines), 2000))
     return [Outline(part.reshape(-1, 2), np.tile(codes, len(part))) for part in parts]
 
 
