@@ -19,6 +19,7 @@ from fretfe._typing import Indices
 from fretfe.bodies.continued import normals_behind
 from fretfe.bodies.definition import ModelDefinition, define_model
 from fretfe.case import Case
+from fretfe.evaluate.contacts import NEAR_FREE_END
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.templates import find_template
 from fretfe.report.texts import rounded
@@ -140,9 +141,6 @@ def _facets_at(surface: Surface, edges: Indices) -> Indices:
 
 def _share(case: Case) -> float:
     """Length of elements at an end over the distance of a station there, by the tolerance."""
-    # Imported where it is needed: plane cases do without SciPy's interpolation.
-    from fretfe.evaluate.space.range_spread import NEAR_FREE_END
-
     return math.sqrt(min((case.edges.tolerance or NEAR_FREE_END) / NEAR_FREE_END, 1.0))
 
 

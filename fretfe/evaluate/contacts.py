@@ -37,6 +37,9 @@ LARGEST_TURNING = 0.1
 # Distance from a free end over the slip zone by the factors from which these mean something: half
 # of a dovetail has the same ranges within their bars there with layers of .2, .1 and .05 mm.
 FAR_FROM_END = 3.0
+# Error of a range over the square of the length of an element along the front over the distance to
+# a free end, towards which ranges grow: a skewed dovetail with layers of 1.5, .2 and .1 mm.
+NEAR_FREE_END = 0.06
 # Counted cycles whose ranges differ by less than this fraction are the same cycle.
 SAME_RANGE = 1e-3
 

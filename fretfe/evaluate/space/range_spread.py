@@ -8,6 +8,7 @@ import math
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.evaluate.contacts import NEAR_FREE_END
 from fretfe.evaluate.factors import FactorHistories, cycle_range, main_direction
 from fretfe.evaluate.space.fronts import SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
@@ -26,9 +27,6 @@ NARROWEST = 0.4
 # small where the other parts of the bar are 3.9 %.
 SHORTEST_WAY = 4.0
 CRAMPED = 0.15
-# Error of a range over the square of the length of an element along the front over the distance to
-# a free end, towards which ranges grow: a skewed dovetail with layers of 1.5, .2 and .1 mm.
-NEAR_FREE_END = 0.06
 
 
 def farthest(depth: float, radius: float) -> float:
