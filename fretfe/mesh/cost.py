@@ -42,7 +42,7 @@ POWER_IN_SPACE = 4 / 3
 # rows of the stiffness, mesh and spaces; for everything that does not grow.
 PER_ENTRY = 10.0
 PER_UNKNOWN = {2: 1200.0, 3: 2000.0}
-ALWAYS = 2.0e8
+ALWAYS = 2.7e8
 # Displacements of degree 1 over elements, in large meshes of triangles and of tetrahedra; unknowns
 # of meshes that fit everywhere.
 UNKNOWNS_PER_ELEMENT = {2: 1.0, 3: 0.54}
@@ -65,7 +65,7 @@ MATRICES_ON_DISK = 5.5
 # what does not grow.
 FACTORISING = {2: 3.0e-8, 3: 1.0e-11}
 ASSEMBLING = {2: 1.2e-5, 3: 5.5e-5}
-STARTING = 3.0
+STARTING = 5.0
 # Seconds by powers of the number of contact tractions: a factorisation of the interface, of which a
 # history needs a few; a step, its evaluation included.
 INTERFACE = 3.0e-11
@@ -78,7 +78,7 @@ STEP = 5.0e-3
 STATION = {2: 0.0, 3: 0.12}
 EDGES = {2: 4.0e-6, 3: 1.2e-6}
 FIELDS = {2: 2.0e-6, 3: 6.5e-6}
-DRAWING = {2: 4.0, 3: 9.0}
+DRAWING = {2: 4.0, 3: 6.0}
 PICTURES = {2: 3.0e-5, 3: 4.0e-5}
 # Growth of sizes within an element of a solid.
 WITHIN = 0.4
