@@ -426,6 +426,8 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     exponent, exponent_spread = _power(
         *((each.distance, getattr(each, name)) for each in (fine, coarse)), length=length
     )
+    if math.isnan(exponent):
+        exponent, exponent_spread = _power_at_end(name, fine, coarse)
     order = 1 - min(exponent, 0.9) if exponent > exponent_spread else 1.0
     return EndNumber(
         name=name,
@@ -461,6 +463,18 @@ def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
         found.append((-float(line[0]), 2 * math.sqrt(variance)))
     (exponent, error), (other, _) = found
     return exponent, math.hypot(error, exponent - other)
+
+
+def _power_at_end(name: str, fine: Rows, coarse: Rows) -> tuple[float, float]:
+    """Exponent of a power by its values on the end itself, for few rows, and its error bar.
+
+    Those of elements of the length h are like h^-m. So m is known to a half of it, and to .05.
+    """
+    (one, *_), (other, *_) = getattr(fine, name), getattr(coarse, name)
+    if not min(one, other) > 0:
+        return math.nan, math.nan
+    exponent = math.log(one / other) / math.log(coarse.distance[1] / fine.distance[1])
+    return exponent, max(0.5 * abs(exponent), 0.05)
 
 
 def _meetings(end: FrontEnd, part: Level) -> Iterator[Meeting]:
