@@ -426,7 +426,7 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     exponent, exponent_spread = _power(
         *((each.distance, getattr(each, name)) for each in (fine, coarse)), length=length
     )
-    if math.isnan(exponent):
+    if math.isnan(exponent) and NUMBERS[name].kind == "stress":
         exponent, exponent_spread = _power_at_end(name, fine, coarse)
     order = 1 - min(exponent, 0.9) if exponent > exponent_spread else 1.0
     return EndNumber(
@@ -466,9 +466,10 @@ def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
 
 
 def _power_at_end(name: str, fine: Rows, coarse: Rows) -> tuple[float, float]:
-    """Exponent of a power by its values on the end itself, for few rows, and its error bar.
+    """Exponent of a stress by its values on the end itself, for few rows, and its error bar.
 
     Those of elements of the length h are like h^-m. So m is known to a half of it, and to .05.
+    Slip and work next to the end of few rows follow no such power.
     """
     (one, *_), (other, *_) = getattr(fine, name), getattr(coarse, name)
     if not min(one, other) > 0:

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -54,16 +55,21 @@ def test_bars_are_what_levels_differ_by() -> None:
     assert found.mean_spread == pytest.approx(0.1 * found.mean, rel=0.2)
 
 
-def test_few_rows_have_a_power_by_their_values_on_the_end() -> None:
+def test_few_rows_have_a_power_of_stress_by_its_values_on_the_end() -> None:
     """As next to the end of a shorter body, whose pressure has no largest value."""
-    fine, coarse = (rows(size * np.arange(3), size**-0.3 * np.ones(3)) for size in (0.1, 0.2))
-    found = number_at("work", fine, coarse, 0.2)
+
+    def pressed(size: float, pressure: float) -> Rows:
+        few = rows(size * np.arange(3), np.full(3, pressure))
+        return replace(few, pressure=few.work)
+
+    fine, coarse = (pressed(size, size**-0.3) for size in (0.1, 0.2))
+    found = number_at("pressure", fine, coarse, 0.2)
     assert found.exponent == pytest.approx(0.3) and found.exponent_spread == pytest.approx(0.15)
     assert found.grows
-    same = rows(coarse.distance, 1.01 * fine.work)
-    assert not number_at("work", fine, same, 0.2).grows
-    nothing = number_at("density", fine, coarse, 0.2)
-    assert math.isnan(nothing.exponent) and not nothing.grows
+    assert not number_at("pressure", fine, pressed(0.2, 1.01 * 0.1**-0.3), 0.2).grows
+    for name in ("shear", "work"):
+        nothing = number_at(name, fine, coarse, 0.2)
+        assert math.isnan(nothing.exponent) and not nothing.grows
 
 
 @pytest.mark.parametrize(("part", "agrees"), [(104.0, True), (107.0, False)])
