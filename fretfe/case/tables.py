@@ -96,7 +96,7 @@ class Solid(Table):
         return self
 
     def span(self, body: str) -> tuple[float, float]:
-        """Where a body begins and ends in z."""
+        """Begin and end of a body in z."""
         return self.spans.get(body, (0.0, self.length))
 
     def shared(self, *bodies: str) -> float:

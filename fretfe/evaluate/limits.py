@@ -93,7 +93,7 @@ class ModelLimit:
 
     @property
     def used(self) -> float:
-        """What is found over the limit, which may be zero; NaN if it could not be measured."""
+        """Part of the limit, which may be zero, that is found; NaN if it could not be measured."""
         if self.limit > 0:
             return self.found / self.limit
         return self.found * math.inf if self.found else 0.0
