@@ -4,7 +4,7 @@
 var Scorer = {
   score: ([page, title, anchor, description, score, file, kind]) =>
     score * (kind === "title" ? (anchor ? 4 : 6) : 1) *
-    (page === "changes" ? 0.1 : page.startsWith("api/") ? 0.3 : 1),
+    (page === "changes" ? 0.1 : page.startsWith("api/") ? 0.5 : 1),
   // The values that Sphinx has without this file.
   objNameMatch: 11,
   objPartialMatch: 6,
