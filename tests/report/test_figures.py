@@ -34,6 +34,7 @@ from fretfe.report.figures.tractions import _limits, slip_plot
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
 from fretfe.report.theme import make_plot
+from fretfe.report.ticks import draw_ticks
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 
@@ -179,6 +180,7 @@ def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run
     figure = Figure()
     history = replace(run.loads, channels=tuple(loads), values=values)
     draw_loads(rows_of(figure, 2), case, history)
+    draw_ticks(figure)
     held, ramp = figure.axes
     assert [each.get_title(loc="left") for each in figure.axes] == [*loads]
     assert [each.get_ylabel() for each in figure.axes] == ["[N]", "[N]"]
@@ -203,6 +205,7 @@ def test_factors_that_are_unknown_are_said_to_be(run: Result, known: tuple[str, 
     )
     figure = Figure()
     draw_factors(rows_of(figure, 2), run.case, run.loads, (replace(contact, fronts=fronts),))
+    draw_ticks(figure)
     labels = figure.axes[0].get_legend_handles_labels()[1]
     assert [label.endswith(", unknown") for label in labels] == [
         side not in known for side in ("left", "right")
