@@ -34,10 +34,13 @@ An ellipse g = g0 sqrt(1 - t^2/b^2) has I_g = (pi g0/b)(z - sqrt(z^2 - b^2)): Mc
 jumps by m_j at the nodes t_j, straight between them and zero at both ends, has
 
     I_g(z) = sum m_j (z - t_j) ln(z - t_j),   I_g'(z) = sum m_j ln(z - t_j)
+
+A shear g across the plane makes sigma_xz = -(1/pi) Re I_g and sigma_yz = (1/pi) Im I_g.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -402,13 +405,47 @@ def linear_stress(
     Raises:
         ValueError: if a depth is negative.
     """
+    found = [
+        _sum(*normal, *tangential)
+        for normal, tangential in _linear_integrals(x, depth, nodes, (pressure, shear))
+    ]
+    return np.concatenate(found, axis=1)
+
+
+def linear_stress_across(x: ArrayLike, depth: ArrayLike, nodes: Array, shear: Array) -> Array:
+    """Return the stress of a half-plane under a shear across the plane, straight between nodes.
+
+    Args:
+        x: (M,) positions.
+        depth: (M,) distances below the surface, >= 0.
+        nodes: (K,) increasing.
+        shear: (n, K) traction along z there, zero at the first and the last node.
+
+    Returns:
+        (n, M, 2) sigma_yz, which is the traction at the surface, and sigma_xz.
+
+    Raises:
+        ValueError: if a depth is negative.
+    """
+    found = [
+        np.stack([values.imag / np.pi, -values.real / np.pi], axis=-1)
+        for ((values, _),) in _linear_integrals(x, depth, nodes, (shear,))
+    ]
+    return np.concatenate(found, axis=1)
+
+
+def _linear_integrals(
+    x: ArrayLike, depth: ArrayLike, nodes: Array, tractions: Sequence[Array]
+) -> Iterator[list[tuple[Any, Any]]]:
+    """I and y I' of each traction (n, K), (n, m) at some points after the others.
+
+    I is the integral of the traction over z less its place.
+    """
     place = np.empty(np.shape(x), dtype=np.complex128)
     # On the surface the imaginary part is -0: below the cut of the logarithm.
     place.real, place.imag = x, -check_range("depth", depth, low=0.0)
-    jumps = [np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0)
-             for each in (pressure, shear)]  # fmt: skip
+    jumps = [np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0) for each in tractions]
     size = max(1_000_000 // len(nodes), 1)  # points at a time
-    found = []
     for start in range(0, len(place), size):
         here = place[start : start + size]
         difference = here[:, None] - nodes
@@ -418,12 +455,7 @@ def linear_stress(
         slopes.real = np.log(np.maximum(np.abs(difference), np.finfo(float).tiny))
         slopes.imag = np.arctan2(difference.imag, difference.real)
         values = difference * slopes
-        terms = []
-        for each in jumps:
-            terms.append(each @ values.T)
-            terms.append(here.imag * (each @ slopes.T))
-        found.append(_sum(*terms))
-    return np.concatenate(found, axis=1)
+        yield [(each @ values.T, here.imag * (each @ slopes.T)) for each in jumps]
 
 
 def _sum(normal: Any, normal_slope: Any, shear: Any, shear_slope: Any) -> Array:

@@ -56,7 +56,7 @@ def assess(
     ] = None,
     as_json: AsJson = False,
 ) -> None:  # fmt: skip
-    """Judge plane edges by tests, arrest of cracks and endurance."""
+    """Judge edges and fronts by tests, arrest of cracks and endurance."""
     if rank_from_environment() > 0:
         return
     import json

@@ -275,8 +275,8 @@ def export(
     depth: Annotated[
         list[float] | None,
         typer.Option(
-            help="Distance from plane edges at which the history of the stress is written; can be "
-            "given several times.",
+            help="Distance from edges and stations at which the history of the stress is written; "
+            "can be given several times.",
             show_default=False,
         ),
     ] = None,

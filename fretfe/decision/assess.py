@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Margins of the edges of plane contacts by each criterion that the data at hand allow.
+"""Margins of the edges of contacts by each criterion that the data at hand allow.
 
 A margin is the factor of all stresses up to which the criterion is kept. Each criterion asks
 another question: tests of fretting, the arrest of cracks that have started, the endurance of smooth
@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from enum import Enum
 from pathlib import Path
 
@@ -25,6 +25,7 @@ from fretfe.decision.endurance import Distance, ShearAndPressure, crossland, dan
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
+from fretfe.decision.station_field import station_fields, worst_stations
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
@@ -33,6 +34,9 @@ from fretfe.plugins import plug_ins
 from fretfe.results.model import Result
 from fretfe.strength.fit import Survival
 from fretfe.strength.margins import Margin, result_labels, strength_map
+
+# Of tests, by contact, edge or front, and number of the station.
+Margins = dict[tuple[str, str, int], Margin]
 
 
 class Criterion(Enum):
@@ -79,6 +83,7 @@ class Judgement:
         reason: why the margin is unknown; empty if it is known.
         outermost: whether it is worst at the outermost place that is judged, and so may be worse
             beyond: there it is a matter of the body rather than of the edge.
+        station: worst one of a front of solids; -1 in the plane.
     """
 
     criterion: Rule
@@ -88,11 +93,12 @@ class Judgement:
     place: float = math.nan
     reason: str = ""
     outermost: bool = False
+    station: int = -1
 
 
 @dataclass(frozen=True)
 class EdgeAssessment:
-    """One body at one edge.
+    """One body at one edge, or at one front of solids: its worst stations.
 
     Attributes:
         contact, edge, body: their names.
@@ -105,6 +111,7 @@ class EdgeAssessment:
         spread: error of the stress beside that of the tractions [stress].
         survival: probability to reach the life of the tests; None without tests that say so.
         damage: of counted cycles; None without lives of smooth specimens.
+        lost: stations of the front that are not judged, by the reason.
     """
 
     contact: str
@@ -118,6 +125,7 @@ class EdgeAssessment:
     spread: float
     survival: Survival | None = None
     damage: Damage | None = None
+    lost: dict[str, tuple[int, ...]] = field(default_factory=dict)
 
     @property
     def governing(self) -> Judgement | None:
@@ -195,7 +203,7 @@ def assess(
     life: float | None = None,
     others: Sequence[Result] = (),
 ) -> Assessment:
-    """Judge the edges of plane contacts by all criteria that the data allow.
+    """Judge the edges of contacts, of solids their fronts, by all criteria that the data allow.
 
     Args:
         result: with the stress of its bodies, if these are meshed.
@@ -206,8 +214,8 @@ def assess(
             not known well: what it changes.
 
     Raises:
-        CaseError: if a file is not as expected, bodies are solids, other results have no contact of
-            this one, or only one of tests and life is given.
+        CaseError: if a file is not as expected, other results have no contact of this one, or only
+            one of tests and life is given.
     """
     for other in others:
         _require_alike(result, other)
@@ -234,13 +242,11 @@ def _assess(
     """Margins of one result."""
     if (tests is None) != (life is None):
         raise CaseError("expected a file of tests together with a life, found only one of them")
-    if result.solid:
-        raise CaseError("expected results of plane bodies, found solids")
     data = fatigue_data(Path(material), result.case.units)
-    margins: dict[tuple[str, str], Margin] = {}
+    margins: Margins = {}
     if tests is not None and life is not None:
         found = strength_map(tests, [result], life).margins
-        margins = {(each.edge.contact, each.edge.edge): each for each in found}
+        margins = {(each.edge.contact, each.edge.edge, each.edge.station): each for each in found}
     edges = tuple(_edges(result, data, margins))
     return Assessment(
         result=result_labels([result])[0],
@@ -259,15 +265,17 @@ def _length(data: FatigueData) -> float:
     return critical_length(data.threshold, data.limit)
 
 
-def _edges(
-    result: Result, data: FatigueData, margins: dict[tuple[str, str], Margin]
-) -> Iterator[EdgeAssessment]:
+def _edges(result: Result, data: FatigueData, margins: Margins) -> Iterator[EdgeAssessment]:
     for contact in result.contacts:
         pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
+        bodies = [(pair.body1, 0), (pair.body2, 1)]
+        if result.solid:
+            yield from _fronts(result, contact, bodies, data, margins)
+            continue
         for station in contact.edges:
-            margin = margins.get((contact.name, station.front))
+            margin = margins.get(_name(contact, station))
             by_tests = _by_tests(margin, given=bool(margins))
-            for number, body in enumerate((pair.body1, pair.body2)):
+            for body, number in bodies:
                 reason = data.disagreement(result.case.bodies[body])
                 field = reason or edge_field(result, contact, station, number)
                 yield replace(
@@ -306,6 +314,87 @@ def _damage(
     body = isotropic(result.case.bodies[(pair.body1, pair.body2)[number]])
     assert body is not None
     return counted_damage(field, station, data.life, body, length)
+
+
+def _name(contact: Contact, station: Station) -> tuple[str, str, int]:
+    """Key of a station among `Margins`."""
+    return contact.name, station.front, station.number
+
+
+def _fronts(
+    result: Result,
+    contact: Contact,
+    bodies: Sequence[tuple[str, int]],
+    data: FatigueData,
+    margins: Margins,
+) -> Iterator[EdgeAssessment]:
+    """Both bodies at each front of solids."""
+    chosen = worst_stations(result, contact)
+    wanted = {(front, key) for (front, _), own in chosen.items() for key in own}
+    found = list(station_fields(result, contact, wanted))
+    for front in contact.fronts:
+        tests = {
+            each.number: _by_tests(margins.get(_name(contact, each)), given=bool(margins))
+            for each in front.stations
+        }
+        for body, number in bodies:
+            reason = data.disagreement(result.case.bodies[body])
+            own = {
+                station.number: reason or fields[number]
+                for station, fields in found
+                if station.front == front.name
+            }
+            edges = {
+                key: _edge(result, (contact, front.stations[key], body), data, own[key], tests[key])
+                for key in chosen.get((front.name, number), [0])
+            }
+            lost: dict[str, tuple[int, ...]] = {}
+            for key, each in own.items():
+                if isinstance(each, str):
+                    lost[each] = (*lost.get(each, ()), key)
+            found_front = _worst_of(edges, tests, lost)
+            at = margins.get((contact.name, front.name, found_front.judgements[0].station))
+            yield replace(
+                found_front,
+                survival=None if at is None else at.survival,
+                damage=None
+                if data.life is None
+                else Damage(reason="the stress of solids is that of one cycle"),
+            )
+
+
+def _worst_of(
+    edges: dict[int, EdgeAssessment], tests: dict[int, Judgement], lost: dict[str, tuple[int, ...]]
+) -> EdgeAssessment:
+    """A front by the worst of its stations, each criterion for itself.
+
+    Args:
+        edges: of stations, by their numbers.
+        tests: the answers of tests at all stations.
+        lost: as of `EdgeAssessment`.
+    """
+    key = next(iter(edges))
+    judgements = [_worst_judgement(tests)] + [
+        _worst_judgement({key: each.of(one.criterion) for key, each in edges.items()})
+        for one in edges[key].judgements[1:]
+    ]
+    arrest = judgements[1].station
+    found = replace(edges[key], judgements=tuple(judgements), lost=lost)
+    if arrest in edges:
+        found = replace(found, arrest=edges[arrest].arrest, life=edges[arrest].life)
+    at = -1 if found.governing is None else found.governing.station
+    if at in edges:
+        found = replace(found, bar=edges[at].bar, spread=edges[at].spread)
+    return found
+
+
+def _worst_judgement(each: dict[int, Judgement]) -> Judgement:
+    """The one with the smallest margin, of stations by their numbers."""
+    known = {key: one for key, one in each.items() if not one.reason}
+    if not known:
+        return next(iter(each.values()))
+    key = min(known, key=lambda key: known[key].margin)
+    return replace(known[key], station=key)
 
 
 def _edge(

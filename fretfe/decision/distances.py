@@ -29,9 +29,10 @@ def mean_stress(field: EdgeField, places: Array, method: Distance, length: float
     """(n, m, 6) mean stress below places of the surface."""
     below, weights = distance_points(method, length)
     points = np.stack([places, np.zeros_like(places)], axis=1)[:, None] + below
-    stress = field.stress(points.reshape(-1, 2)).reshape(-1, len(places), len(weights), 4)
+    stress = field.stress(points.reshape(-1, 2))
+    stress = stress.reshape(len(stress), len(places), len(weights), -1)
     found = np.zeros((len(stress), len(places), 6))
-    found[..., :4] = np.einsum("npmc,m->npc", stress, weights)
+    found[..., : stress.shape[-1]] = np.einsum("npmc,m->npc", stress, weights)
     return found
 
 

@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.partial_slip import linear_stress
+from fretfe.analytic.partial_slip import linear_stress, linear_stress_across
 from fretfe.case import isotropic
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import StressHistory, judged_states
@@ -31,10 +31,13 @@ from fretfe.results.model import Result
 
 # Parts of each element next to an edge: the pressure has a root.
 PARTS = 12
-# Elements above which the stress of elements is not used, and powers of each coordinate.
+# Elements above which the stress of elements is not used, power of the polynomial.
 SHALLOW = 2.0
 POWER = 3
 FEWEST_ROWS = 2
+# Least power of the depth of xx, yy, zz, xy, yz, xz: the surface is free of what the tractions do
+# not make, and so is the slope of yy, by the balance of forces.
+FREE = (0, 2, 0, 1, 1, 0)
 
 
 @dataclass(frozen=True)
@@ -45,19 +48,25 @@ class NearField:
         nodes: (K,) x of places between which the tractions are straight.
         pressure, shear: (n, K) there, on this body, shear positive along x.
         across: stress along z over xx + yy.
+        along: (n, K) shear along z; None of plane bodies.
     """
 
     nodes: Array
     pressure: Array
     shear: Array
     across: float
+    along: Array | None = None
 
     def at(self, points: Array) -> Array:
-        """(n, M, 4) stress at points (M, 2)."""
-        x, y = points.T
-        plane = linear_stress(x, np.maximum(-y, 0.0), self.nodes, self.pressure, self.shear)
+        """(n, M, c) stress at points (M, 2)."""
+        x, depth = points[:, 0], np.maximum(-points[:, 1], 0.0)
+        plane = linear_stress(x, depth, self.nodes, self.pressure, self.shear)
         across = self.across * (plane[..., 0] + plane[..., 1])
-        return np.stack([plane[..., 0], plane[..., 1], across, plane[..., 2]], axis=-1)
+        found = np.stack([plane[..., 0], plane[..., 1], across, plane[..., 2]], axis=-1)
+        if self.along is None:
+            return found
+        sheared = linear_stress_across(x, depth, self.nodes, self.along)
+        return np.concatenate([found, sheared], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -67,7 +76,7 @@ class SmoothStress:
     Attributes:
         powers: (k, 2) of x and y.
         scale: length by which places are divided.
-        values: (n, k, 4) its coefficients.
+        values: (n, k, c) its coefficients.
         spread: half the width of an interval that holds most of what it misses; 0 where it is
             exact.
         deepest: largest depth at which it is known.
@@ -82,8 +91,34 @@ class SmoothStress:
     widest: tuple[float, float]
 
     def at(self, points: Array) -> Array:
-        """(n, M, 4) stress at points (M, 2)."""
+        """(n, M, c) stress at points (M, 2)."""
         return np.asarray(_terms(points / self.scale, self.powers) @ self.values)
+
+    @classmethod
+    def of(cls, points: Array, stress: Array, rows: int, power: int) -> SmoothStress | str:
+        """A fit, or why there is none.
+
+        Args:
+            points: (M, 2).
+            stress: (n, M, c) there.
+            rows: number of depths at which there are points.
+            power: of the polynomial.
+        """
+        powers = np.array([
+            (i, j) for j in range(min(power, rows - 1) + 1) for i in range(power + 1 - j)
+        ])  # fmt: skip
+        if len(points) < 2 * len(powers):
+            return "the stress of the elements is known at too few places around the edge"
+        deepest = float(-points[:, 1].min())
+        terms = _terms(points / deepest, powers)
+        values = np.zeros((len(stress), len(powers), stress.shape[2]))
+        for component, least in enumerate(FREE[: stress.shape[2]]):
+            own = powers[:, 1] >= least
+            fit = np.linalg.lstsq(terms[:, own], stress[..., component].T, rcond=None)[0]
+            values[:, own, component] = fit.T
+        missed = 2 * float(np.sqrt(np.mean((terms @ values - stress) ** 2, axis=1)).max())
+        widest = float(max(-points[:, 0].min(), 0.0)), float(max(points[:, 0].max(), 0.0))
+        return cls(powers, deepest, values, missed, deepest, widest)
 
 
 def _terms(points: Array, powers: Indices) -> Array:
@@ -94,8 +129,10 @@ def _terms(points: Array, powers: Indices) -> Array:
 class EdgeField:
     """The stress of a body around an edge, without cracks, through n states.
 
+    Of plane bodies it has c = 4 components, around a station of solids yz and xz too.
+
     Attributes:
-        contact, edge, body: their names.
+        contact, edge, body: their names; of a station that of its front and its number.
         states: (n,) numbers of the states.
         finest: distance from the mouth from which on the stress is known [length]: 0 where slip
             zones are resolved, else an element.
@@ -118,11 +155,11 @@ class EdgeField:
         return min(self.smooth.deepest / math.cos(angle), lateral)
 
     def stress(self, points: Array) -> Array:
-        """(n, M, 4) stress at points (M, 2)."""
+        """(n, M, c) stress at points (M, 2)."""
         return self.near.at(points) + self.smooth.at(points)
 
     def along(self, angle: float, distances: Array) -> Array:
-        """(n, D, 4) stress on a ray from the mouth.
+        """(n, D, c) stress on a ray from the mouth.
 
         Args:
             angle: from the inward normal, positive under the contact.
@@ -316,30 +353,31 @@ def _bulk(result: Result, contact: Contact, states: Indices, number: int) -> Smo
 
 def _rest(history: StressHistory, near: NearField, side: _Side, size: float) -> SmoothStress | str:
     """The stress of elements less that of the tractions, or why it is not known."""
-    rows = np.flatnonzero(history.depths >= SHALLOW * size)
+    rows = deep_rows(history.depths, size)
+    if isinstance(rows, str):
+        return rows
+    body, x = history.bodies[side.body], side.x(history.arc)
+    stress = _turned(body.stress[:, rows], history.frames[:, 1], body.normals, side.inward)
+    places = np.stack(np.broadcast_arrays(x, -history.depths[rows, None]), axis=-1)
+    beside = np.abs(x) <= history.depths[rows].max()
+    used = beside & np.isfinite(stress).all(axis=(0, 3))
+    return SmoothStress.of(places[used], stress[:, used] - near.at(places[used]), len(rows), POWER)
+
+
+def deep_rows(depths: Array, size: float) -> Indices | str:
+    """Numbers of the depths (D,) at which the stress of elements is used, or why that will not do.
+
+    Args:
+        depths: of the stress.
+        size: of an element.
+    """
+    rows = np.flatnonzero(depths >= SHALLOW * size)
     if len(rows) < FEWEST_ROWS:
         return (
             f"[output] stress_depths has {len(rows)} depths of {SHALLOW:g} elements, "
             f"{SHALLOW * size:.3g}, and more: {FEWEST_ROWS} are needed"
         )
-    body, x = history.bodies[side.body], side.x(history.arc)
-    deepest = float(history.depths[rows].max())
-    stress = _turned(body.stress[:, rows], history.frames[:, 1], body.normals, side.inward)
-    places = np.stack(np.broadcast_arrays(x, -history.depths[rows, None]), axis=-1)
-    used = (np.abs(x) <= deepest) & np.isfinite(stress).all(axis=(0, 3))
-    points = places[used]
-    powers = np.array([
-        (i, j) for j in range(min(POWER, len(rows) - 1) + 1) for i in range(POWER + 1 - j)
-    ])  # fmt: skip
-    if len(points) < 2 * len(powers):
-        return "the stress of the elements is known at too few places around the edge"
-    flat = (stress[:, used] - near.at(points)).swapaxes(0, 1).reshape(len(points), -1)
-    terms = _terms(points / deepest, powers)
-    found = np.linalg.lstsq(terms, flat, rcond=None)[0]
-    missed = 2 * float(np.sqrt(np.mean((terms @ found - flat) ** 2, axis=0)).max())
-    values = found.reshape(len(powers), -1, 4).swapaxes(0, 1)
-    widest = float(max(-points[:, 0].min(), 0.0)), float(max(points[:, 0].max(), 0.0))
-    return SmoothStress(powers, deepest, values, missed, deepest, widest)
+    return rows
 
 
 def _turned(stress: Array, tangents: Array, normals: Array, inward: int) -> Array:

@@ -1,22 +1,25 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Histories of the whole stress tensor below edges of plane contacts, for other fatigue programs.
+"""Histories of the whole stress tensor below edges and stations, for other fatigue programs.
 
 At places on rays from the edge, as cracks start there, through the evaluated cycle. S11 is along
-the surface, inward; S22 along the outward normal; S33 along z; shears are those of the tensor.
+the surface, inward; S22 along the outward normal; S33 along z, of solids along the front; shears
+are those of the tensor.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.station_field import BothFields, station_fields
 from fretfe.errors import CaseError
+from fretfe.evaluate.contacts import Contact, Station
 from fretfe.exchange.export import STATE, ExportTable, headings
 from fretfe.files import replacing, writing
 from fretfe.results.hdf5_file import new_hdf5, store
@@ -27,7 +30,7 @@ FILE = "edge_histories"
 TENSOR_NAMES = ("S11", "S22", "S33", "S12", "S13", "S23")
 HISTORY_COLUMNS = (
     CONTACT,
-    EDGE,
+    replace(EDGE, meaning="left or right; of solids the front and the number of the station"),
     Column("body", "", "name of the body"),
     Column("angle", "angle", "of the ray from the inward normal, positive under the contact"),
     Column("distance", "length", "along the ray, from the outermost place of the edge"),
@@ -63,7 +66,7 @@ class EdgeHistory:
 def edge_histories(
     result: Result, distances: Sequence[float], angles: Sequence[float] = (0.0,)
 ) -> tuple[EdgeHistory, ...]:
-    """Stress at distances from the edges of plane contacts, through the evaluated cycle.
+    """Stress at distances from edges, and from the stations of solids, through the evaluated cycle.
 
     Args:
         result: of half-planes, or with `[output] stress_depths`.
@@ -71,10 +74,8 @@ def edge_histories(
         angles: of the rays, from -80 to 80 degrees.
 
     Raises:
-        CaseError: if bodies are solids, there is no cycle, or a number is outside of these.
+        CaseError: if a number is outside of these.
     """
-    if result.solid:
-        raise CaseError("expected results of plane bodies, found solids")
     if not all(math.isfinite(each) and each >= 0 for each in distances):
         raise CaseError("--depth: expected finite numbers, not negative, found others")
     if not all(-80 <= each <= 80 for each in angles):
@@ -83,12 +84,19 @@ def edge_histories(
     found = []
     for contact in result.contacts:
         pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
-        for station in contact.edges:
-            for number, body in enumerate((pair.body1, pair.body2)):
-                field = edge_field(result, contact, station, number)
-                name = contact.name, station.front, body
-                found.append(_history(result, name, field, turns, steps))
+        own = station_fields(result, contact) if result.solid else _edges(result, contact)
+        for station, fields in own:
+            edge = f"{station.front}.{station.number}" if result.solid else station.front
+            for body, field in zip((pair.body1, pair.body2), fields, strict=True):
+                found.append(_history(result, (contact.name, edge, body), field, turns, steps))
     return tuple(found)
+
+
+def _edges(result: Result, contact: Contact) -> Iterator[tuple[Station, BothFields]]:
+    for station in contact.edges:
+        yield station, (
+            edge_field(result, contact, station, 0), edge_field(result, contact, station, 1)
+        )  # fmt: skip
 
 
 def _history(
@@ -103,7 +111,8 @@ def _history(
     rays = np.radians(turns[inside])
     places = np.stack([np.sin(rays), -np.cos(rays)], axis=1) * steps[inside, None]
     stress = np.zeros((len(field.states), len(places), 6))
-    stress[..., :4] = field.stress(places)
+    values = field.stress(places)[..., [0, 1, 2, 3, -1, -2][: 6 if result.solid else 4]]
+    stress[..., : values.shape[-1]] = values
     times = np.asarray(result.loads.times)[field.states]
     beyond = f"stress is known to {reach.min():.3g} only: places beyond are left out"
     reason = "" if inside.all() else beyond

@@ -46,8 +46,9 @@ def governing_table(found: Assessment) -> Table:
     table = plain_table("Smallest margins", ("edge", "body", "governs", "margin", "interval"), 3)
     for edge in found.edges:
         least = edge.governing
+        station = f".{least.station}" if least is not None and least.station >= 0 else ""
         table.add_row(
-            escape(f"{edge.contact} {edge.edge}"),
+            escape(f"{edge.contact} {edge.edge}{station}"),
             escape(edge.body),
             *(
                 [MISSING] * 3
@@ -89,7 +90,7 @@ def answer(found: Assessment) -> Iterator[str]:
     interval = _interval(judgement)
     sure = f" ({interval})" if interval else ""
     yield (
-        f"Worst is body {edge.body} at the {edge.edge} edge of {edge.contact}"
+        f"Worst is body {edge.body} at {_at(edge, judgement)} of {edge.contact}"
         f"{_place(judgement.place, found.units.length)}: "
         f"margin {_margin(judgement)}{sure} by {judgement.criterion.value}, so it "
         f"{_verdict(judgement)}"
@@ -97,8 +98,24 @@ def answer(found: Assessment) -> Iterator[str]:
     lost = sum(each.governing is None for each in found.edges)
     if lost:
         yield f"{lost} of {len(found.edges)} bodies at edges are not judged and may be worse"
+    if stations := sum(map(_count, found.edges)):
+        yield (
+            f"{stations} stations of both bodies are not judged, such as those at ends, and may be "
+            "worse"
+        )
     yield f"How sure: {'; '.join(_sureness(found, edge, judgement))}"
     yield f"To be surer: {'; '.join(_wanted(found, edge))}"
+
+
+def _at(edge: EdgeAssessment, judgement: Judgement) -> str:
+    if judgement.station < 0:
+        return f"the {edge.edge} edge"
+    return f"station {judgement.station} of {edge.edge}"
+
+
+def _count(edge: EdgeAssessment) -> int:
+    """Number of stations that are not judged, of a front of which others are."""
+    return sum(map(len, edge.lost.values())) if edge.governing is not None else 0
 
 
 def _verdict(judgement: Judgement) -> str:
@@ -278,10 +295,12 @@ def _short_elements(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
 
 
 def _unknown(edge: EdgeAssessment) -> Iterator[str]:
-    """Reasons for what is unknown, each with its criteria."""
+    """Reasons for what is unknown, each with its criteria, or with the stations of a front."""
+    for reason, stations in edge.lost.items():
+        yield f"stations {', '.join(map(str, stations))} unknown: {reason}"
     reasons: dict[str, list[str]] = {}
     for each in edge.judgements:
-        if each.reason:
+        if each.reason and each.reason not in edge.lost:
             reasons.setdefault(each.reason, []).append(each.criterion.value)
     yield from (f"unknown ({'; '.join(names)}): {text}" for text, names in reasons.items())
     if _uncertain(edge):

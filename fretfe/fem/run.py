@@ -55,6 +55,7 @@ from fretfe.fem.limits import (
 from fretfe.fem.model import LoadMesh, Marched, Model, Prepared, build_model, step_loads
 from fretfe.fem.parallel import Lead, SharedStop, on_root, release
 from fretfe.fem.probes import state_requests
+from fretfe.fem.station_stress import write_stations
 from fretfe.fem.stress_output import write_stress
 from fretfe.fem.timing import Clock
 from fretfe.history.solution import Solution
@@ -335,8 +336,9 @@ class _Run:
         if len(self._solution.times) == 1:
             return ()
         arguments = self._recorder, self._solution, self._contacts, path
+        write = write_stations if self._model.dimension == 3 else write_stress
         try:
-            write_stress(self._model, self._fields, *arguments)
+            write(self._model, self._fields, *arguments)
         except OutputError as error:
             return (str(error),)
         return ()

@@ -257,7 +257,7 @@ def _site(
     pair = patches[0]
     contact = model.case.contacts[pair.pair]
     surfaces = model.surfaces[contact.surface1], model.surfaces[contact.surface2]
-    seen = [_below(surface, pair.surface.points, depths) for surface in surfaces]
+    seen = [below(surface, pair.surface.points, depths) for surface in surfaces]
     own = tuple(summaries[each.name] for each in patches)
     bodies = pair.body1, pair.body2
     edges = [
@@ -311,8 +311,8 @@ def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
     return found
 
 
-def _below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array]:
-    """(D, N, d) places at depths below a surface, and (N, d) outward normals; next to points.
+def below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array]:
+    """Places (D, N, d) at depths below a surface, and (N, d) outward normals; next to points.
 
     NaN where the surface ends before a point.
     """

@@ -89,6 +89,8 @@ class EdgeHistories:
         tangential: (S, 2, 2) their compliance to shear inward and along the edge over that.
         cycle: first and last state of the cycle that repeats itself, or None.
         dundurs: beta of unlike bodies; zero of similar ones.
+        shown: states in which the tractions of all edges are wanted; those at the ends of the last
+            half cycle of each if there are none.
     """
 
     contacts: Contacts
@@ -103,6 +105,7 @@ class EdgeHistories:
     tangential: Array
     cycle: tuple[int, int] | None
     dundurs: float = 0.0
+    shown: tuple[int, ...] = ()
 
     @cached_property
     def shift(self) -> Array:
@@ -178,7 +181,7 @@ class EdgeSlip:
 
     Attributes:
         profiles: of the half cycles.
-        tractions: at the two ends of the last half cycle; none without.
+        tractions: in the states that are shown, in their order.
         work: friction work in the cycle that repeats itself, or in all steps, per unit length.
         change: of the shear over the last cycle, over the swing of the force; NaN without one.
         reason: why there is no solution, in words; empty if there is.
@@ -268,7 +271,7 @@ class _Calendar:
     Attributes:
         begins: edges a half cycle of which begins.
         ends: edges and numbers of the half cycles that end.
-        shown: edges whose tractions are wanted: at both ends of the last half cycle.
+        shown: edges whose tractions are wanted.
     """
 
     begins: defaultdict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
@@ -277,7 +280,9 @@ class _Calendar:
 
 
 def _calendar(
-    halves: Sequence[Sequence[tuple[int, int]]], repeated: tuple[int, int] | None = None
+    halves: Sequence[Sequence[tuple[int, int]]],
+    shown: Sequence[int],
+    repeated: tuple[int, int] | None = None,
 ) -> _Calendar:
     """That of the half cycles of edges; of a repeated cycle those that come again in it.
 
@@ -294,9 +299,11 @@ def _calendar(
             for start in {begin, later}:
                 calendar.begins[start].append(edge)
             calendar.ends[end].append((edge, number))
-            if number == len(own) - 1:
+            if number == len(own) - 1 and not shown:
                 calendar.shown[begin].append(edge)
                 calendar.shown[end].append(edge)
+        for state in shown:
+            calendar.shown[state].append(edge)
     return calendar
 
 
@@ -326,17 +333,19 @@ class _March:
         """March through all states, and again through the cycle until it is steady."""
         given, states = self._given, self._given.k.shape[1]
         first, last = given.cycle or (0, states - 1)
-        change, whole = np.full(len(given.k), np.nan), _calendar(given.halves)
+        change, whole = np.full(len(given.k), np.nan), _calendar(given.halves, given.shown)
         for state in range(1, last + 1):
             if state == first + 1:
                 before, self._work[:] = self._shear.copy(), 0.0
             self._step(state, whole)
         if given.cycle is not None:
-            change, again = self._changed(before), _calendar(given.halves, given.cycle)
+            change, again = self._changed(before), _calendar(given.halves, given.shown, given.cycle)
             for _ in range(MOST_CYCLES):
                 if not (change[~self._lost] > STEADY).any():
                     break
                 before, self._work[:] = self._shear.copy(), 0.0
+                for edge in again.shown[first]:
+                    self._tractions[edge][first] = self._now(edge, last)
                 for state in range(first + 1, last + 1):
                     self._step(state, again)
                 change = self._changed(before)

@@ -33,6 +33,11 @@ from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
 from fretfe.results.quantities import EDGES, SOLIDS, STATIONS, axis_label, unit
+from fretfe.results.station_stress import (
+    STATION_STRESSES,
+    StationStress,
+    read_station_stress,
+)
 from fretfe.results.tables import (
     edge_records,
     make_dataset,
@@ -281,6 +286,22 @@ class Result:
                 f"{self.directory / STRESSES}: expected bodies of the case, found {wrong.pop()!r}"
             )
         return found
+
+    @property
+    def has_station_stress(self) -> bool:
+        """True if the run wrote the stress around the stations of solids."""
+        return self.directory is not None and (self.directory / STATION_STRESSES).is_file()
+
+    def station_stress(self, contact: str) -> StationStress:
+        """Return the stress of elements around the stations of a contact of solids.
+
+        Raises:
+            OutputError: if the run has no folder, or did not write any (`[output] stress_depths`),
+                or there is no such contact in the case.
+        """
+        if self.directory is None:
+            raise OutputError("expected the stress at stations, found a run without files")
+        return read_station_stress(self.directory, contact)
 
     def stress_parameters(
         self, contact: str, fatemi_socie: tuple[float, float] | None = None

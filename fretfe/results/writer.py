@@ -40,6 +40,7 @@ from fretfe.results.field_files import DISPLACEMENTS, FIELDS, SURFACES, write_su
 from fretfe.results.hdf5_file import STRESSES, new_hdf5, room, store
 from fretfe.results.model import Result
 from fretfe.results.run_folder import MARK, with_digest
+from fretfe.results.station_stress import STATION_STRESSES
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
 SCHEMA = {"name": "fretfe-results", "version": 9}
@@ -68,6 +69,7 @@ RESULT_FILES = (
     FIELDS,
     DISPLACEMENTS,
     STRESSES,
+    STATION_STRESSES,
     REPORT,
     FAULTS,
 )

@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.solid_runs import solid_result, surface
+from cases.solid_runs import stationed_sphere
 from cases.stored_runs import solved, write_run
 from decision.test_material import FATIGUE, write
 from harness.packages import write_package
@@ -220,8 +220,14 @@ def test_edges_that_are_not_judged(tmp_path: Path) -> None:
     assert {each.of(Criterion.POINT).reason for each in incomplete.edges} == {
         "the run is not complete"
     }
-    with pytest.raises(CaseError, match="found solids"):
-        assess(solid_result({"main": surface()}), write(tmp_path))
+    round_one = assess(stationed_sphere(), write(tmp_path))
+    assert [(each.edge, each.body) for each in round_one.edges] == [
+        ("front 1", "upper"), ("front 1", "lower")
+    ]  # fmt: skip
+    assert round_one.worst is None
+    for each in round_one.edges:
+        (reason,) = each.lost
+        assert "stress_depths" in reason and each.lost[reason] == tuple(range(12))
 
 
 def test_the_numbers_are_json(tmp_path: Path) -> None:
@@ -235,7 +241,7 @@ def test_the_numbers_are_json(tmp_path: Path) -> None:
     # Infinite: null, and no reason.
     assert edge["criteria"]["arrest of cracks"] == {
         "margin": None, "low": None, "high": None, "place": None, "reason": "",
-        "outermost": False, "range": [None, None],
+        "outermost": False, "station": -1, "range": [None, None],
     }  # fmt: skip
     assert numbers["worst"]["criterion"] in edge["criteria"]
 

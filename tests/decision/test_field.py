@@ -160,7 +160,7 @@ def smooth_case(monkeypatch: pytest.MonkeyPatch, depths: Array) -> tuple[Result,
 def bent(points: Array) -> Array:
     """(M, 4) a smooth stress, in a body's own axes."""
     x, y = points.T
-    return np.stack([90 + 20 * x - 30 * y, 5 * y, 10 * x * y, 8 * y + x**2 * y], axis=-1)
+    return np.stack([90 + 20 * x - 30 * y, 5 * y**2, 10 * x * y, 8 * y + x**2 * y], axis=-1)
 
 
 @pytest.mark.parametrize("body", [0, 1])

@@ -19,7 +19,7 @@ from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import changed, parse_case
 from fretfe.decision.field import EdgeField, edge_field
-from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.stress import StressHistory, worst_states
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
@@ -298,9 +298,3 @@ def test_nothing_is_written_unless_it_is_asked_for(tmp_path: Path) -> None:
     assert not (tmp_path / STRESSES).exists()
     with pytest.raises(OutputError, match=r"stress\.h5: .*\[output\] stress_depths"):
         load_result(tmp_path).stress_history("main")
-
-
-def test_solids_are_refused() -> None:
-    solid = {**cylinder(size=0.1), "solid": {"length": 1.0, "layers": 1}}
-    with pytest.raises((CaseError, ModelError), match=r"output\.stress_depths: expected plane"):
-        RUNNER.run(case_of(0.1, geometry=solid))

@@ -294,3 +294,20 @@ def test_pressure_shapes_are_those_of_a_cylinder_and_of_a_cubic_gap(
     (shape,) = pressure_shapes(np.array([power]))
     x = np.linspace(0, 1, len(shape))[1:-1]
     np.testing.assert_allclose(np.sqrt(1 - x**2) * shape[1:-1], expected(x), rtol=1e-3)
+
+
+def test_tractions_in_all_states_of_the_cycle() -> None:
+    """At the ends of the last half cycle those that are given there anyway; a cycle is closed."""
+    given = histories(np.array([0.3]), CYLINDER, 0.6, 1.4)
+    assert given.cycle is not None
+    first, last = given.cycle
+    shown = dataclasses.replace(given, shown=tuple(range(first, last + 1)))
+    (usual,), (found,) = solve_edges(given), solve_edges(shown)
+    assert len(found.tractions) == STEPS + 1 and len(usual.tractions) == 2
+    for one, other in zip(usual.tractions, found.tractions[STEPS // 2 :: STEPS // 2], strict=True):
+        assert np.array_equal(one.shear, other.shear) and np.array_equal(one.s, other.s)
+    begin, end = found.tractions[0], found.tractions[-1]
+    assert begin.shear == pytest.approx(end.shear, abs=3e-3 * np.abs(end.shear).max())
+    for each in found.tractions:
+        size = np.hypot(*each.shear.T)
+        assert (size <= FRICTION * each.pressure * (1 + 1e-6) + 1e-9).all()

@@ -37,6 +37,8 @@ from fretfe.local.problem import (
     EdgeSlip,
     Share,
     SlipProfile,
+    Tractions,
+    solve_batches,
     solve_edges,
 )
 from fretfe.materials.moduli import half_plane
@@ -144,34 +146,121 @@ def _fronts(
     bodies: Mapping[str, AnyBody],
     share: Share,
 ) -> tuple[Front, ...]:
-    """Fronts whose stations have their plane problems.
-
-    Where a contact would slide before the cycle, that is begun without any shear.
-    """
-    path, pair = _Path.of(solution, contact), (bodies[contact.body1], bodies[contact.body2])
-    beta = contact.surface.dundurs
-    left = {
-        (front.name, each.number): (front, each, twist)
-        for front, twist in ((front, _twist(front)) for front in fronts)
-        for each in front.stations
+    """Fronts whose stations have their plane problems."""
+    posed = [(front, each) for front in fronts for each in front.stations]
+    found = _solved(_Path.of(solution, contact), bodies, posed, share)
+    done = {
+        (station.front, station.number): replace(station, local=no_local_problem(each))
+        if isinstance(each, str)
+        else each[0].solved(each[1])
+        for (_, station), each in zip(posed, found, strict=True)
     }
-    done: dict[tuple[str, int], Station] = {}
-    for late in (False, True) if path.cycle else (False,):
-        posed = {key: _pose(path, pair, beta, *each, late) for key, each in left.items()}
-        edges = {key: edge for key, edge in posed.items() if isinstance(edge, _Edge)}
-        histories = _histories(edges.values(), path, beta) if edges else None
-        found = solve_edges(histories, share) if histories else []
-        for key, reason in posed.items():
-            if isinstance(reason, str):
-                done[key] = replace(left[key][1], local=no_local_problem(reason))
-        for (key, edge), slip in zip(edges.items(), found, strict=True):
-            done[key] = edge.solved(slip)
-        again = (SLIDES, UNSETTLED)
-        left = {key: each for key, each in left.items() if done[key].local.reason in again}
     return tuple(
         _with_work(front, [done[front.name, each.number] for each in front.stations])
         for front in fronts
     )
+
+
+def _solved(
+    path: _Path,
+    bodies: Mapping[str, AnyBody],
+    stations: Sequence[tuple[Front, Station]],
+    share: Share,
+    shown: tuple[int, ...] = (),
+) -> list[tuple[_Edge, EdgeSlip] | str]:
+    """The plane problems of stations with their solutions, or the reasons why there is none.
+
+    Where a contact would slide before the cycle, that is begun without any shear.
+
+    Args:
+        path: through the states.
+        bodies: of the case.
+        stations: with their fronts.
+        share: has parts of it solved.
+        shown: as of `EdgeHistories`.
+    """
+    pair = bodies[path.contact.body1], bodies[path.contact.body2]
+    beta = path.contact.surface.dundurs
+    twists = {front.name: _twist(front) for front, _ in stations}
+    done: dict[int, tuple[_Edge, EdgeSlip] | str] = {}
+    left = list(range(len(stations)))
+    for late in (False, True) if path.cycle else (False,):
+        posed = {
+            key: _pose(path, pair, beta, *stations[key], twists[stations[key][0].name], late)
+            for key in left
+        }
+        edges = {key: edge for key, edge in posed.items() if isinstance(edge, _Edge)}
+        histories = _histories(edges.values(), path, beta, shown) if edges else None
+        found = solve_edges(histories, share) if histories else []
+        done |= {key: reason for key, reason in posed.items() if isinstance(reason, str)}
+        solved = dict(zip(edges, found, strict=True))
+        done |= {key: (edges[key], slip) for key, slip in solved.items()}
+        left = [key for key, slip in solved.items() if slip.reason in (SLIDES, UNSETTLED)]
+    return [done[key] for key in range(len(stations))]
+
+
+@dataclass(frozen=True)
+class PlaneTractions:
+    """Tractions of the plane problem of a station, on all of its contact, through n states.
+
+    Attributes:
+        x: (K,) distances inward from the outermost place of the edge in these states.
+        pressure: (n, K) p.
+        shear: (n, K, 2) along `inward` and `along` of the station, on body 2.
+    """
+
+    x: Array
+    pressure: Array
+    shear: Array
+
+
+def plane_tractions(
+    solution: Solution,
+    contact: ContactHistory,
+    stations: Sequence[tuple[Front, Station]],
+    bodies: Mapping[str, AnyBody],
+    states: Indices,
+) -> list[PlaneTractions | str]:
+    """Solve the plane problems of some stations again, for their tractions in many states.
+
+    Args:
+        solution: the solved history.
+        contact: whose stations they are, of bodies of one material.
+        stations: with their fronts.
+        bodies: of the case.
+        states: (n,) wanted, in time order.
+
+    Returns:
+        The tractions of each, or the reason why they are not known.
+    """
+    path = _Path.of(solution, contact)
+    places = [path.places.get(each, path.places.get(int(path.source[each]), -1)) for each in states]
+    shown = tuple(sorted(set(places)))
+    found: list[PlaneTractions | str] = []
+    for solved in _solved(path, bodies, stations, solve_batches, shown):
+        if isinstance(solved, str) or solved[1].reason:
+            found.append(solved if isinstance(solved, str) else solved[1].reason)
+        elif shown[0] < max(solved[0].first, 1):
+            found.append("its plane problem is not followed in all states of the cycle")
+        else:
+            rows = [shown.index(each) for each in places]
+            found.append(_whole(solved[1].tractions, rows))
+    return found
+
+
+def _whole(tractions: Sequence[Tractions], rows: Sequence[int]) -> PlaneTractions:
+    """Tractions in all states at the same nodes, from those next to the edge as it is in each.
+
+    All of them reach to the middle of the contact, where its other half begins.
+    """
+    x = max((each.s for each in tractions), key=lambda s: float(s[-1]))
+    count = len(x)
+    values = np.zeros((len(tractions), count, 3))
+    for own, each in zip(values, tractions, strict=True):
+        own[count - len(each.s) :] = np.column_stack([each.pressure, each.shear])
+    whole = np.concatenate([values, values[:, -2::-1]], axis=1)[rows]
+    x = np.concatenate([x, 2 * x[-1] - x[-2::-1]])
+    return PlaneTractions(x, whole[..., 0], whole[..., 1:])
 
 
 def _with_work(front: Front, stations: Sequence[Station]) -> Front:
@@ -258,7 +347,9 @@ def cycles_before(solution: Solution) -> slice:
     return slice(ends[begin], ends[max(first - period, begin)])
 
 
-def _histories(edges: Collection[_Edge], path: _Path, dundurs: float) -> EdgeHistories:
+def _histories(
+    edges: Collection[_Edge], path: _Path, dundurs: float, shown: tuple[int, ...]
+) -> EdgeHistories:
     """Histories of edges, and what they have in common."""
     shapes = [each.shape for each in edges]
     return EdgeHistories(
@@ -278,6 +369,7 @@ def _histories(edges: Collection[_Edge], path: _Path, dundurs: float) -> EdgeHis
         tangential=np.array([each.bodies.tangential for each in edges]),
         cycle=(path.begin, len(path.kept) - 1) if path.cycle else None,
         dundurs=dundurs,
+        shown=shown,
     )
 
 
@@ -362,6 +454,7 @@ class _Edge:
         counted: (n,) whether slip in the step to each of them counts.
         spans: the half cycles of its slip zones by places of these states; None for those that are
             not followed.
+        first: place of the state from which on it is followed.
     """
 
     station: Station
@@ -371,6 +464,7 @@ class _Edge:
     k_i: Array
     counted: Bools
     spans: tuple[tuple[int, int] | None, ...]
+    first: int
 
     @property
     def direction(self) -> Array:
@@ -512,6 +606,7 @@ def _pose(
         k_i=np.where(states < first, k_i[first], k_i),
         counted=(states > first) & (worst.outer[kept] if worst else True),
         spans=spans,
+        first=first,
     )
 
 

@@ -1,0 +1,204 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress of solids around the stations of their fronts, without cracks.
+
+Across a front the fields are those of a plane contact with three components. The stress is that of
+half-planes under the tractions of the plane problem of the station, whatever elements resolve, and
+of what is missing to the stress of the elements at depths of two elements and more: what the bodies
+and the bend of the front add, a polynomial of the place whose residual is the error bar.
+
+Axes are those of `fretfe.decision.field`, with z along the front.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Iterator
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import isotropic
+from fretfe.decision.field import SHALLOW, EdgeField, NearField, SmoothStress, deep_rows
+from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.edge_tractions import edge_nodes
+from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
+from fretfe.history.solution import ContactHistory
+from fretfe.results.model import Result
+from fretfe.results.station_stress import StationStress
+
+BothFields = tuple[EdgeField | str, EdgeField | str]
+
+
+def station_fields(
+    result: Result, contact: Contact, only: Collection[tuple[str, int]] | None = None
+) -> Iterator[tuple[Station, BothFields]]:
+    """Stations of a contact, with the stress in both bodies or why it is not known.
+
+    Args:
+        result: of solids.
+        contact: of it.
+        only: fronts and numbers of the stations that are wanted, beside those for which there is a
+            reason before anything is computed; None for all.
+    """
+    pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
+    if not contact.stations:
+        return
+    if reason := _obstacle(result, pair):
+        yield from ((each, (reason, reason)) for each in contact.stations)
+        return
+    stress = result.station_stress(contact.pair)
+    reasons = {_key(each): _lack(each, stress) for each in contact.stations}
+    posed = [
+        (front, each)
+        for front in contact.fronts
+        for each in front.stations
+        if not reasons[_key(each)] and (only is None or _key(each) in only)
+    ]
+    found = plane_tractions(result.solution, pair, posed, result.case.bodies, stress.states)
+    tractions = {
+        _key(each): own if isinstance(own, str) else _joined(pair, front, each, own, stress)
+        for (front, each), own in zip(posed, found, strict=True)
+    }
+    for station in contact.stations:
+        own = reasons[_key(station)] or tractions.get(_key(station))
+        if own is None:
+            continue
+        if isinstance(own, str):
+            yield station, (own, own)
+        else:
+            first, second = (_field(result, pair, station, own, stress, body) for body in (0, 1))
+            yield station, (first, second)
+
+
+def _key(station: Station) -> tuple[str, int]:
+    return station.front, station.number
+
+
+def _obstacle(result: Result, pair: ContactHistory) -> str:
+    """Reason why no stress is known, or an empty text."""
+    if result.failure is not None:
+        return "the run is not complete"
+    if not all(isotropic(result.case.bodies[each]) for each in (pair.body1, pair.body2)):
+        return "a body is a crystal"
+    if pair.surface.dundurs:
+        return "the bodies are of unlike materials"
+    if result.solution.cycle is None:
+        return "no cycle is evaluated"
+    first, last = result.loads.evaluated
+    if not result.solution.keeps(first, last):
+        return "the tractions of some states of the cycle are not kept"
+    if not result.has_station_stress:
+        return "the run has no stress of the bodies: [output] stress_depths asks for it"
+    return ""
+
+
+def _lack(station: Station, stress: StationStress) -> str:
+    """Reason why the stress at a station is not known, or an empty text."""
+    if station.end:
+        return "within a local length of a free end, where the fields are not those of an edge"
+    if station.no_edge or not math.isfinite(station.reported_k_n):
+        return "K_N is not known: the pressure has no root at this edge, or elements are too large"
+    if stress.row(*_key(station)) is None:
+        return "its place is not known in all states of the cycle"
+    return ""
+
+
+def _joined(
+    pair: ContactHistory,
+    front: Front,
+    station: Station,
+    plane: PlaneTractions,
+    stress: StationStress,
+) -> PlaneTractions:
+    """Tractions of the plane problem next to the edge, from some elements on those of the nodes.
+
+    The nodes are those around the station, in rows; beyond the middle of the contact, which is too
+    far for it to matter how, as before it.
+    """
+    row = stress.row(*_key(station))
+    assert row is not None
+    middle = station.depth
+    nodes = edge_nodes(pair, front, station, station.last, (0.0, middle))
+    ahead = float(station.position[station.last] - stress.mouths[row])
+    places = nodes.by_rows(nodes.s) + ahead
+    frame = np.stack([station.frame.inward, station.frame.along], axis=1)
+    turned = pair.surface.frames[nodes.nodes, 1:] @ frame
+    half = np.concatenate([[0.0], plane.x[plane.x < middle], places[places < middle]])
+    x = np.unique(np.concatenate([half, 2 * middle - half]))
+    nearer = np.minimum(x, 2 * middle - x)
+    values = np.zeros((len(stress.states), len(x), 3))
+    for own, state, p, q in zip(values, stress.states, plane.pressure, plane.shear, strict=True):
+        local = np.stack([np.interp(nearer, plane.x, each, 0.0) for each in (p, *q.T)], axis=1)
+        mean = pair.mean_traction[int(state)][nodes.nodes]
+        both = np.column_stack([mean[:, 0], np.einsum("nt,ntk->nk", mean[:, 1:], turned)])
+        far = np.stack([np.interp(nearer, places, nodes.by_rows(each)) for each in both.T], axis=1)
+        edge = plane.x[np.argmax(p > 0)]
+        # Those of nodes begin to count two elements from the edge, and are all from four on.
+        share = np.clip((nearer - edge) / station.size / 2 - 1, 0.0, 1.0)[:, None]
+        own[:] = (1 - share) * local + share * far
+    return PlaneTractions(x, values[..., 0], values[..., 1:])
+
+
+def _field(
+    result: Result,
+    pair: ContactHistory,
+    station: Station,
+    tractions: PlaneTractions,
+    stress: StationStress,
+    number: int,
+) -> EdgeField | str:
+    name = (pair.body1, pair.body2)[number]
+    body, row = isotropic(result.case.bodies[name]), stress.row(*_key(station))
+    assert body is not None and row is not None
+    # On body 1 the shear is the opposite one, and y its own outward normal.
+    way = 1.0 if number else -1.0
+    inward, along = np.moveaxis(way * tractions.shear, 2, 0)
+    near = NearField(tractions.x, tractions.pressure, inward, body.poisson, along)
+    rows = deep_rows(stress.depths, station.size)
+    if isinstance(rows, str):
+        return rows
+    places = np.stack(np.broadcast_arrays(stress.places, -stress.depths[rows, None]), axis=-1)
+    elements = stress.stress[number, row][:, rows]
+    used = np.isfinite(elements).all(axis=(0, 3))
+    # Elements of solids scatter; next to the edge a third power does more so: on pads twice.
+    smooth = SmoothStress.of(places[used], elements[:, used] - near.at(places[used]), len(rows), 2)
+    if isinstance(smooth, str):
+        return smooth
+    edge = f"{station.front}.{station.number}"
+    return EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth)
+
+
+def worst_stations(result: Result, contact: Contact) -> dict[tuple[str, int], list[int]]:
+    """Stations with the largest stress of each front in body 0 and 1, at most two; none if unknown.
+
+    By the stress of elements, at the smallest depth at which that is used: those of the largest
+    tension along the surface times its range, and of the largest von Mises stress of the deviation
+    from the mean of the cycle.
+    """
+    found: dict[tuple[str, int], list[int]] = {}
+    pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
+    if not contact.stations or _obstacle(result, pair):
+        return found
+    stress = result.station_stress(contact.pair)
+    for front in contact.fronts:
+        known = [each for each in front.stations if not _lack(each, stress)]
+        for body in (0, 1) if known else ():
+            values = []
+            for each in known:
+                deep = int(np.searchsorted(stress.depths, SHALLOW * each.size))
+                row = stress.row(*_key(each))
+                assert row is not None
+                values.append(stress.stress[body, row, :, min(deep, len(stress.depths) - 1)])
+            worst = {known[int(np.argmax(each))].number for each in _severity(np.array(values))}
+            found[front.name, body] = sorted(worst)
+    return found
+
+
+def _severity(stress: Array) -> tuple[Array, Array]:
+    """(S,) tension times its range, and square of von Mises, of stresses (S, n, X, 6)."""
+    along = stress[..., 0]
+    tension = np.nanmax(np.maximum(along.max(axis=1), 0.0) * np.ptp(along, axis=1), axis=1)
+    varied = stress - stress.mean(axis=1, keepdims=True)
+    varied[..., :3] -= varied[..., :3].mean(axis=3, keepdims=True)
+    squares = np.sum(varied[..., :3] ** 2, axis=3) + 2 * np.sum(varied[..., 3:] ** 2, axis=3)
+    return tension, np.nanmax(squares, axis=(1, 2))
