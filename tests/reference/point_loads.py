@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array
 
-RINGS, TURNS = 160, 160
+RINGS, TURNS = 48, 72
 
 
 def under_normal(x: Array, y: Array, z: Array, poisson: float) -> Array:

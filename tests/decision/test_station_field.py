@@ -1,0 +1,84 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stress below the stations of a sphere under ±Q, from exact factors, tractions and stresses."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from cases.solid_runs import FRICTION, PEAK, SHEAR, stationed_sphere
+from evaluate.space.test_local import cycles, posed
+from reference.point_loads import hertzian
+
+from fretfe._typing import Array
+from fretfe.case import Body
+from fretfe.decision.field import EdgeField
+from fretfe.decision.station_field import station_fields, worst_stations
+from fretfe.evaluate.contacts import Station
+from fretfe.results.model import Result
+from fretfe.results.station_stress import StationStress
+
+STICK = (1 - SHEAR) ** (1 / 3)
+DEPTHS = np.array([0.2, 0.3, 0.4, 0.6])
+PLACES = np.linspace(-0.6, 0.6, 9)
+
+
+def exact(station: Station, points: Array, way: float) -> Array:
+    """(M, 6) in body 2 at points inward and across of a front, by ±Q along x; ν = 0."""
+    frame, x = station.frame, np.array([1.0, 0.0, 0.0])
+    axes = np.array([x, np.cross(-frame.across, x), -frame.across])
+    at = -frame.inward + np.outer(points[:, 0], frame.inward) + np.outer(points[:, 1], frame.across)
+    found = hertzian(at @ axes.T, 1.0, PEAK, way * FRICTION * PEAK, 0.0)
+    found -= hertzian(at @ axes.T, STICK, 0.0, way * FRICTION * PEAK * STICK, 0.0)
+    pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (1, 2), (0, 2))
+    tensors = np.empty((len(points), 3, 3))
+    for place, (i, j) in enumerate(pairs):
+        tensors[:, i, j] = tensors[:, j, i] = found[:, place]
+    own = axes @ np.array([frame.inward, frame.across, frame.along]).T
+    turned = own.T @ tensors @ own
+    return np.stack([turned[:, i, j] for i, j in pairs], axis=1)
+
+
+@pytest.fixture
+def sphere(monkeypatch: pytest.MonkeyPatch) -> Result:
+    """Elements of a/11 whose stress is exact at two of them and more, at both ends of the cycle."""
+
+    def direction(station: Station) -> float:
+        x = np.array([1.0, 0.0, 0.0])
+        return math.degrees(math.atan2(x @ station.frame.along, x @ station.frame.inward))
+
+    result = posed(SHEAR * cycles(stationed_sphere()), direction)
+    bodies = {name: Body(young=1e5, poisson=0.0) for name in result.case.bodies}
+    result = replace(result, case=result.case.model_copy(update={"bodies": bodies}))
+    stations = result.contacts[0].stations
+    first, last = result.loads.cycle
+    shear = cycles(result)[first : last + 1]
+    ends = np.sort([int(np.argmin(shear)), int(np.argmax(shear))])
+    points = np.stack(np.broadcast_arrays(PLACES, -DEPTHS[:, None]), axis=-1)
+    stress = np.array([
+        [exact(each, points.reshape(-1, 2), shear[end]) for end in ends] for each in stations
+    ]).reshape(len(stations), 2, len(DEPTHS), len(PLACES), 6)  # fmt: skip
+    known = StationStress(
+        "main", DEPTHS, first + ends, tuple(each.front for each in stations),
+        np.array([each.number for each in stations]),
+        np.array([each.position[-1] for each in stations]), PLACES, np.array([stress, stress]),
+    )  # fmt: skip
+    monkeypatch.setattr(Result, "has_station_stress", True)
+    monkeypatch.setattr(Result, "station_stress", lambda *_: known)
+    return result
+
+
+def test_stress_is_that_of_half_spaces(sphere: Result) -> None:
+    """From a tenth of the radius on; elements are used from two tenths on."""
+    depths = np.array([0.1, 0.15, 0.2, 0.4])
+    points = np.stack([np.zeros(4), -depths], axis=1)
+    shear = cycles(sphere)
+    for station, (_, field) in station_fields(sphere, sphere.contacts[0]):
+        assert isinstance(field, EdgeField), field
+        for state, own in zip(field.states, field.stress(points), strict=True):
+            wrong = np.abs(own - exact(station, points, shear[state])).max(axis=1) / PEAK
+            assert wrong.max() < 0.02
+    chosen = worst_stations(sphere, sphere.contacts[0])
+    assert set(chosen) == {("front 1", 0), ("front 1", 1)}
