@@ -53,6 +53,7 @@ def sphere(monkeypatch: pytest.MonkeyPatch) -> Result:
     bodies = {name: Body(young=1e5, poisson=0.0) for name in result.case.bodies}
     result = replace(result, case=result.case.model_copy(update={"bodies": bodies}))
     stations = result.contacts[0].stations
+    assert result.loads.cycle is not None
     first, last = result.loads.cycle
     shear = cycles(result)[first : last + 1]
     ends = np.sort([int(np.argmin(shear)), int(np.argmax(shear))])
