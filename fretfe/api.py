@@ -17,7 +17,8 @@ from fretfe.backends import Observer
 from fretfe.backends.protocol import LOG, SILENT
 from fretfe.case import Case, load_case
 from fretfe.checked import Checked, check, make_mesh
-from fretfe.decision.assess import Assessment, assess
+from fretfe.decision.assess import assess
+from fretfe.decision.assessment import Assessment
 from fretfe.errors import OutputError
 from fretfe.exchange.comparison import Comparison, compare
 from fretfe.exchange.export import export_result

@@ -11,14 +11,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field, replace
-from enum import Enum
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case import Body, Units, isotropic
+from fretfe.case import Body, isotropic
+from fretfe.decision.assessment import (
+    Assessment,
+    Criterion,
+    EdgeAssessment,
+    Judgement,
+    OtherCriterion,
+    Rule,
+)
 from fretfe.decision.damage import Damage, counted_damage
 from fretfe.decision.distances import elastic_strain, judged_places, mean_stress
 from fretfe.decision.endurance import Distance, ShearAndPressure, crossland, dang_van
@@ -32,34 +39,10 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import PAIRS, find_critical, findley, smith_watson_topper
 from fretfe.plugins import plug_ins
 from fretfe.results.model import Result
-from fretfe.strength.fit import Survival
 from fretfe.strength.margins import Margin, result_labels, strength_map
 
 # Of tests, by contact, edge or front, and number of the station.
 Margins = dict[tuple[str, str, int], Margin]
-
-
-class Criterion(Enum):
-    """Criteria, in the order in which they are listed."""
-
-    TESTS = "fretting tests"
-    ARREST = "arrest of cracks"
-    POINT = "SWT, point"
-    LINE = "SWT, line"
-    AREA = "SWT, area"
-    CROSSLAND = "Crossland, point"
-    DANG_VAN = "Dang Van, point"
-    FINDLEY = "Findley, point"
-
-
-@dataclass(frozen=True)
-class OtherCriterion:
-    """A criterion of another package, by its name."""
-
-    value: str
-
-
-Rule = Criterion | OtherCriterion
 # Entry points of other criteria: functions of an `EdgeField`, its `Station` and `FatigueData` that
 # return the margin.
 GROUP = "fretfe.criteria"
@@ -68,132 +51,6 @@ METHODS: dict[Criterion, Distance] = {
     Criterion.LINE: "line",
     Criterion.AREA: "area",
 }
-
-
-@dataclass(frozen=True)
-class Judgement:
-    """The answer of one criterion.
-
-    Attributes:
-        criterion: of it.
-        margin: factor of all stresses; NaN where unknown, infinite where no factor breaks it.
-        low, high: ends of an interval that holds it: by the bars of the edge and of the stress, of
-            tests by their scatter too; NaN where unknown.
-        place: worst place along the surface, inward from the edge; NaN where it is the edge.
-        reason: why the margin is unknown; empty if it is known.
-        outermost: whether it is worst at the outermost place that is judged, and so may be worse
-            beyond: there it is a matter of the body rather than of the edge.
-        station: worst one of a front of solids; -1 in the plane.
-    """
-
-    criterion: Rule
-    margin: float = math.nan
-    low: float = math.nan
-    high: float = math.nan
-    place: float = math.nan
-    reason: str = ""
-    outermost: bool = False
-    station: int = -1
-
-
-@dataclass(frozen=True)
-class EdgeAssessment:
-    """One body at one edge, or at one front of solids: its worst stations.
-
-    Attributes:
-        contact, edge, body: their names.
-        friction: coefficient of the contact; NaN if it varies.
-        judgements: one for each criterion, in the order of `Criterion`, then of other packages.
-        arrest: of cracks; None where it is not known.
-        life: cycles of the deepest crack between the lengths of the material file; NaN where
-            unknown.
-        bar: relative error of stresses by the bars of K_N and ΔK_T; NaN where one is unknown.
-        spread: error of the stress beside that of the tractions [stress].
-        survival: probability to reach the life of the tests; None without tests that say so.
-        damage: of counted cycles; None without lives of smooth specimens.
-        lost: stations of the front that are not judged, by the reason.
-    """
-
-    contact: str
-    edge: str
-    body: str
-    friction: float
-    judgements: tuple[Judgement, ...]
-    arrest: Arrest | None
-    life: float
-    bar: float
-    spread: float
-    survival: Survival | None = None
-    damage: Damage | None = None
-    lost: dict[str, tuple[int, ...]] = field(default_factory=dict)
-
-    @property
-    def governing(self) -> Judgement | None:
-        """The one with the smallest margin; None if none is known."""
-        known = [each for each in self.judgements if not each.reason]
-        return min(known, key=lambda each: each.margin, default=None)
-
-    def of(self, criterion: Rule) -> Judgement:
-        """The answer of one criterion."""
-        return next(each for each in self.judgements if each.criterion == criterion)
-
-
-@dataclass(frozen=True)
-class Assessment:
-    """All edges of a result.
-
-    Attributes:
-        result: its folder.
-        material: file of the data.
-        source: of them.
-        length: L of critical distances; NaN where unknown.
-        edges: of both bodies of each contact.
-        remarks: what to know about all of it.
-        units: of lengths and stresses.
-        others: of other results of these edges, such as with other friction.
-    """
-
-    result: str
-    material: Path
-    source: str
-    length: float
-    edges: tuple[EdgeAssessment, ...]
-    remarks: tuple[str, ...]
-    units: Units
-    others: tuple[Assessment, ...] = ()
-
-    def range_of(self, edge: EdgeAssessment, criterion: Rule) -> tuple[float, float]:
-        """Least and largest margin over all results; NaN without others, or unknown in one."""
-        name = edge.contact, edge.edge, edge.body
-        own = [edge.of(criterion)]
-        for other in self.others:
-            own += [
-                each.of(criterion) for each in other.edges
-                if (each.contact, each.edge, each.body) == name
-            ]  # fmt: skip
-        if not self.others or len(own) <= len(self.others) or any(each.reason for each in own):
-            return math.nan, math.nan
-        margins = [each.margin for each in own]
-        return min(margins), max(margins)
-
-    def keeps(self, margin: float) -> bool:
-        """True if every edge of all results is judged, and has this margin at least."""
-        governing = [each.governing for one in (self, *self.others) for each in one.edges]
-        return all(each is not None and each.margin >= margin for each in governing)
-
-    @property
-    def frictions(self) -> tuple[float, float]:
-        """Smallest and largest coefficient of friction of any result."""
-        every = [each.friction for one in (self, *self.others) for each in one.edges]
-        found = [each for each in every if math.isfinite(each)]
-        return min(found, default=math.nan), max(found, default=math.nan)
-
-    @property
-    def worst(self) -> tuple[EdgeAssessment, Judgement] | None:
-        """The edge with the smallest margin and that; None if none is known."""
-        known = [(each, each.governing) for each in self.edges]
-        found = [(edge, judgement) for edge, judgement in known if judgement is not None]
-        return min(found, key=lambda each: each[1].margin, default=None)
 
 
 def assess(

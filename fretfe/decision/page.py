@@ -11,11 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from fretfe.decision.assess import (
-    Assessment,
-    EdgeAssessment,
-    Judgement,
-)
+from fretfe.decision.assessment import Assessment, EdgeAssessment, Judgement
 from fretfe.decision.record import assessment_numbers
 from fretfe.decision.short_cracks import Arrest
 from fretfe.decision.texts import answer, details, governing_table, known_criteria, margin_table

@@ -6,7 +6,7 @@ from __future__ import annotations
 from dataclasses import asdict
 from typing import Any
 
-from fretfe.decision.assess import Assessment
+from fretfe.decision.assessment import Assessment
 from fretfe.files import json_value
 
 SCHEMA = {"name": "fretfe-assessment", "version": 1}

@@ -7,7 +7,7 @@ import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fretfe.decision.assess import Assessment, Criterion, EdgeAssessment, Judgement, Rule
+from fretfe.decision.assessment import Assessment, Criterion, EdgeAssessment, Judgement, Rule
 from fretfe.decision.short_cracks import first_length
 from fretfe.report.texts import MISSING, number, percent, plain_table, rounded
 from fretfe.strength.margins import survival_text

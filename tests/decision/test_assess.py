@@ -21,7 +21,8 @@ from typer.testing import CliRunner
 import fretfe
 from fretfe.cli.app import app
 from fretfe.decision import assess as module
-from fretfe.decision.assess import Assessment, Criterion, OtherCriterion, assess
+from fretfe.decision.assess import assess
+from fretfe.decision.assessment import Assessment, Criterion, OtherCriterion
 from fretfe.decision.field import EdgeField, NearField, edge_field
 from fretfe.decision.record import assessment_numbers
 from fretfe.decision.texts import known_criteria

@@ -20,7 +20,8 @@ from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND
 from fretfe.case import parse_case
 from fretfe.decision import field
-from fretfe.decision.assess import Assessment, Criterion, Judgement, assess
+from fretfe.decision.assess import assess
+from fretfe.decision.assessment import Assessment, Criterion, Judgement
 from fretfe.decision.page import write_assessment
 from fretfe.decision.texts import answer, details, governing_table, margin_table
 from fretfe.errors import CaseError

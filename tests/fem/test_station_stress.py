@@ -17,7 +17,8 @@ from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
 from fretfe.cli.app import app
-from fretfe.decision.assess import Criterion, assess
+from fretfe.decision.assess import assess
+from fretfe.decision.assessment import Criterion
 from fretfe.decision.field import EdgeField
 from fretfe.decision.station_field import station_fields
 from fretfe.decision.stress_histories import edge_histories

@@ -59,7 +59,7 @@ def test_few_rows_have_a_power_of_stress_by_its_values_on_the_end() -> None:
     """As next to the end of a shorter body, whose pressure has no largest value."""
 
     def pressed(size: float, pressure: float) -> Rows:
-        few = rows(size * np.arange(3), np.full(3, pressure))
+        few = rows(np.array([0.0, size, 2 * size]), np.full(3, pressure, dtype=np.float64))
         return replace(few, pressure=few.work)
 
     fine, coarse = (pressed(size, size**-0.3) for size in (0.1, 0.2))
