@@ -64,7 +64,7 @@ def assess(
     from fretfe.api import assess as judge
     from fretfe.api import load_result
     from fretfe.decision.record import assessment_numbers
-    from fretfe.decision.texts import answer, details, governing_table, margin_table
+    from fretfe.decision.texts import answer, details, margin_tables
 
     if at_least is not None and not math.isfinite(at_least):
         raise CaseError(f"--at-least: expected a finite number, found {at_least:g}")
@@ -75,8 +75,8 @@ def assess(
     else:
         for text in answer(found):
             print(text)
-        print_whole(governing_table(found))
-        print_whole(margin_table(found))
+        for table in margin_tables(found):
+            print_whole(table)
         for text in details(found):
             print(text)
     if output is not None:

@@ -462,4 +462,6 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
 
 
 def _slides(contact: Contact) -> bool:
-    return any(zone.gross for each in contact.stations for zone in each.slip_zones)
+    """True if all of it slides: at a station of solids, that part of a front does."""
+    gross = [any(zone.gross for zone in each.slip_zones) for each in contact.stations]
+    return bool(gross) and all(gross)

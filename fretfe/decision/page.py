@@ -14,7 +14,7 @@ from matplotlib.ticker import NullFormatter
 from fretfe.decision.assessment import Assessment, EdgeAssessment, Judgement
 from fretfe.decision.record import assessment_numbers
 from fretfe.decision.short_cracks import Arrest
-from fretfe.decision.texts import answer, details, governing_table, known_criteria, margin_table
+from fretfe.decision.texts import answer, details, known_criteria, margin_tables
 from fretfe.files import replace_text, writing
 from fretfe.report.page.html import render_page
 from fretfe.report.texts import rounded
@@ -62,7 +62,7 @@ def _page(found: Assessment) -> str:
         material=str(found.material),
         source=found.source,
         sentences=list(answer(found)),
-        margins=[governing_table(found), margin_table(found)],
+        margins=margin_tables(found),
         plots=plots,
         details=list(details(found)),
     )

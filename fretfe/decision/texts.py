@@ -22,7 +22,12 @@ def known_criteria(found: Assessment) -> list[Rule]:
     return [each for each in every if any(not edge.of(each).reason for edge in found.edges)]
 
 
-def margin_table(found: Assessment) -> Table:
+def margin_tables(found: Assessment) -> tuple[Table, ...]:
+    """Smallest margins, then all of them; none if no margin is known."""
+    return () if found.worst is None else (_governing_table(found), _margin_table(found))
+
+
+def _margin_table(found: Assessment) -> Table:
     """Margins of all edges, those side by side that are known somewhere."""
     from rich.markup import escape
 
@@ -39,22 +44,21 @@ def margin_table(found: Assessment) -> Table:
     return table
 
 
-def governing_table(found: Assessment) -> Table:
-    """The smallest margin of each edge with its interval."""
+def _governing_table(found: Assessment) -> Table:
+    """The smallest margin of each edge that has one, with its interval."""
     from rich.markup import escape
 
     table = plain_table("Smallest margins", ("edge", "body", "governs", "margin", "interval"), 3)
     for edge in found.edges:
-        least = edge.governing
-        station = f".{least.station}" if least is not None and least.station >= 0 else ""
+        if (least := edge.governing) is None:
+            continue
+        station = f".{least.station}" if least.station >= 0 else ""
         table.add_row(
             escape(f"{edge.contact} {edge.edge}{station}"),
             escape(edge.body),
-            *(
-                [MISSING] * 3
-                if least is None
-                else [escape(least.criterion.value), _margin(least), _interval(least) or MISSING]
-            ),
+            escape(least.criterion.value),
+            _margin(least),
+            _interval(least) or MISSING,
         )
     return table
 

@@ -23,7 +23,7 @@ from fretfe.decision import field
 from fretfe.decision.assess import assess
 from fretfe.decision.assessment import Assessment, Criterion, Judgement
 from fretfe.decision.page import write_assessment
-from fretfe.decision.texts import answer, details, governing_table, margin_table
+from fretfe.decision.texts import answer, details, margin_tables
 from fretfe.errors import CaseError
 from fretfe.loads import build_history
 from fretfe.report.texts import rounded
@@ -107,7 +107,7 @@ def test_tables_fit_a_terminal_whatever_names_are(known: Assessment) -> None:
     )  # fmt: skip
     named = replace(known, edges=edges, result="a" * 100, material=Path("b" * 100))
     texts = []
-    for table in (governing_table(named), margin_table(named)):
+    for table in margin_tables(named):
         text = StringIO()
         console = Console(file=text, width=80)
         wide = console.options.update(max_width=500)
