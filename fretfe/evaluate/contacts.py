@@ -664,7 +664,8 @@ class Front:
     """A boundary curve of a contact area, as its stations along it; at least one.
 
     Attributes:
-        name: in the plane "left" or "right", of solids "front 1" and so on, the longest first.
+        name: in the plane "left" or "right", of solids "front 1" and so on, the longest first, and
+            borders along which no front can be followed last.
         stations: along it at an even spacing.
         closed: whether it runs into itself.
         length: of it in the reference state, the last one of the evaluated cycle; NaN in the plane.
@@ -683,6 +684,11 @@ class Front:
     patch: int = 0
     local_work: float = math.nan
     local_length: float = 0.0
+
+    @property
+    def lost(self) -> bool:
+        """True if it is a border of the contact area along which no front can be followed."""
+        return self.stations[0].lack.kind is Lack.LOST
 
     @property
     def judged(self) -> tuple[Station, ...]:

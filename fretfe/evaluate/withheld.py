@@ -7,6 +7,7 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+from fretfe._typing import Array
 from fretfe.faults import Fault
 
 
@@ -28,6 +29,7 @@ class Lack(StrEnum):
     NO_CURVE = "no curve"
     FREE_END = "free end"
     NO_EDGE = "no edge"
+    LOST = "front lost"
     FAULT = "fault"
 
 
@@ -49,8 +51,14 @@ class Withheld:
 
     @property
     def whole(self) -> bool:
-        """True if nothing at all is known: it is no edge, or fretfe failed."""
-        return self.kind in (Lack.NO_EDGE, Lack.FAULT)
+        """True if nothing at all is known: it is no edge or no front, or fretfe failed."""
+        return self.kind in (Lack.NO_EDGE, Lack.LOST, Lack.FAULT)
+
+    @property
+    def lost(self) -> bool:
+        """True if a contact of solids has a border, but no front can be followed along it."""
+        kinds = Lack.LOST, Lack.NARROW, Lack.CUT, Lack.SHORT_BORDER, Lack.NO_CURVE
+        return self.kind in kinds
 
     @property
     def text(self) -> str:
@@ -59,7 +67,7 @@ class Withheld:
         match self.kind:
             case Lack.NOTHING:
                 return ""
-            case Lack.NO_EDGE | Lack.FAULT:
+            case Lack.NO_EDGE | Lack.LOST | Lack.FAULT:
                 return self.words
             case Lack.ABSENT:
                 return f"the patch exists in {found} of the {wanted} states of the cycle"
@@ -108,6 +116,27 @@ TOLD = Withheld()
 def failed(fault: Fault) -> Withheld:
     """The reason where fretfe itself failed."""
     return Withheld(Lack.FAULT, words=fault.reason)
+
+
+def lost_front(place: Array, found: int, wanted: int) -> Withheld:
+    """The reason where there is no front along a border of the contact.
+
+    Args:
+        place: (3,) in the middle of the border.
+        found: elements in which the pressure rises from the border to its largest value.
+        wanted: elements that would do.
+    """
+    why = "the pressure falls to zero like a root at too few places of it"
+    if found < wanted:
+        why = (
+            f"the pressure rises to its largest value within {found} "
+            f"element{'' if found == 1 else 's'} of it, {wanted} are wanted at least: make the "
+            f"elements there {_halves(wanted / found):g} times smaller; if that does not help, it "
+            "is a sharp corner, where K_N does not exist"
+        )
+    at = ", ".join(f"{value:.3g}" for value in place)
+    words = f"no front can be followed along this border of the contact, around ({at}): {why}"
+    return Withheld(Lack.LOST, found, wanted, words)
 
 
 def _of_fronts(lack: Withheld) -> str:

@@ -14,11 +14,12 @@ from cases.solid_runs import straight
 from cases.stored_runs import solved
 
 from fretfe.caution import Kind
-from fretfe.evaluate.contacts import Contact, Station, fronts_of
+from fretfe.evaluate.contacts import Contact, Front, Station, fronts_of, unknown_station
 from fretfe.evaluate.limits import ModelLimit
-from fretfe.evaluate.withheld import Lack, Withheld
+from fretfe.evaluate.withheld import Lack, Withheld, lost_front
 from fretfe.quality.ends import EndAnswer, Meeting, write_answer
 from fretfe.report.page.headline import headline
+from fretfe.report.page.tables import station_table
 from fretfe.report.texts import number, with_error
 from fretfe.results.front_ends import find_end
 from fretfe.results.model import Result
@@ -183,6 +184,26 @@ def test_a_worst_station_beside_an_end_names_it(tmp_path: Path) -> None:
     other = replace(found, name="main.1.end")
     write_answer(result, other, folder)
     assert headline(replace(result, directory=tmp_path)).worst == first
+
+
+def test_fronts_and_contacts_that_cannot_be_followed_are_named_beside_the_worst() -> None:
+    result = straight(mirrored=False)
+    (contact,) = result.contacts
+    (front,) = contact.fronts
+    lack = lost_front(np.zeros(3), 1, 4)
+    states = len(result.loads.times)
+    stations = tuple(unknown_station("front 2", number, states, lack) for number in range(12))
+    other = replace(contact, name="other", fronts=(), lack=Withheld(Lack.NARROW, 3, 8))
+    both = replace(contact, fronts=(front, Front("front 2", stations, length=3.0)))
+    found = headline(replace(result, contacts=(both, other)))
+    assert found.worst.startswith("Worst of the fronts that are known: station main.1.1,")
+    lost = "nothing is known of other; main, front 2, which may be worse"
+    assert found.trust == f"Not to be trusted as it stands: {lost}."
+    assert "12 unknown" in found.agreement
+    table = station_table(replace(result, contacts=(both,)))
+    assert table is not None
+    cells = list(table.columns[0].cells)
+    assert cells[-2:] == ["main front 2", "  cannot be followed"]
 
 
 @pytest.mark.parametrize("part", [9.6, 19.0])

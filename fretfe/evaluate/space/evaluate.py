@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Front
+from fretfe.evaluate.contacts import Frame, Front, unknown_station
 from fretfe.evaluate.factors import FactorHistories, pressed_on, rotated
 from fretfe.evaluate.increments import ContactSteps, UnitFactors
 from fretfe.evaluate.loaded import normal_force
@@ -19,7 +19,7 @@ from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.space.contact_area import why_no_fronts
 from fretfe.evaluate.space.edges import FrontEdges, moved_stations
 from fretfe.evaluate.space.front_scatter import with_scatter
-from fretfe.evaluate.space.fronts import FrontTrack
+from fretfe.evaluate.space.fronts import FrontTrack, LostFront, lost_fronts
 from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.patches import follow_patches
 from fretfe.evaluate.space.slip import SlipBetween
@@ -50,14 +50,21 @@ def evaluate_solids(
     """
     found = solid_resultants(contact)
     first, last = solution.cycle or (0, len(solution.times) - 1)
-    fronts = evaluate_fronts(solution, contact, tracks or (), told)
+    tracks, nobody = tracks or (), tracks is None
+    lost = lost_fronts(solution, contact, tracks)
+    fronts = evaluate_fronts(solution, contact, tracks, told)
+    fronts += tuple(
+        _unknown_front(each, f"front {number}", len(solution.times))
+        for number, each in enumerate(lost, start=len(tracks) + 1)
+    )
     patches, owner = follow_patches(solution, contact)
     if patches:
+        nodes = [*(each.front.node for each in tracks), *(each.node for each in lost)]
         fronts = tuple(
-            replace(front, patch=int(owner[track.front.node]) + 1)
-            for front, track in zip(fronts, tracks or (), strict=True)
+            replace(front, patch=int(owner[node]) + 1)
+            for front, node in zip(fronts, nodes, strict=True)
         )
-    missing = tracks is not None and not any(track.state == last for track in tracks)
+    missing = not nobody and not any(track.state == last for track in tracks)
     return {
         **found,
         "fronts": fronts,
@@ -89,6 +96,23 @@ def evaluate_fronts(
         stations = with_scatter(edges.stations(told), frames.closed, widths, frames.length)
         fronts.append(Front(edges.name, stations, frames.closed, frames.length, sums))
     return tuple(fronts)
+
+
+def _unknown_front(lost: LostFront, name: str, states: int) -> Front:
+    """The front that a border of the contact should be, nothing of which is known over T states."""
+    frames = lost.frames
+    places = zip(frames.inward, frames.along, frames.across, strict=True)
+    stations = tuple(
+        replace(
+            unknown_station(name, number, states, lost.lack),
+            frame=Frame(*axes),
+            point=frames.points[number],
+            arc=float(frames.arc[number]),
+            size=float(lost.sizes[number]),
+        )
+        for number, axes in enumerate(places)
+    )
+    return Front(name, stations, frames.closed, frames.length)
 
 
 def front_edges(

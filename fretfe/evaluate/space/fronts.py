@@ -8,7 +8,7 @@ altogether, has a front where the curve through the fitted places runs.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -16,7 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.space.contact_area import FEWEST_CROSSED, contact_areas
+from fretfe.evaluate.space.contact_area import FEWEST_CROSSED, WANTED_ACROSS, contact_areas
 from fretfe.evaluate.space.front_fits import fit_states
 from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
 from fretfe.evaluate.space.sectors import (
@@ -29,6 +29,7 @@ from fretfe.evaluate.space.sectors import (
     Sectors,
     outlines,
 )
+from fretfe.evaluate.withheld import Withheld, lost_front
 from fretfe.history.solution import ContactHistory, Solution
 
 # Passes: each measures distances from the curve through the points that the one before found.
@@ -129,6 +130,23 @@ class SpaceFront:
         return ROOM * np.array([sector.along_size for sector in self.sectors])
 
 
+@dataclass(frozen=True)
+class LostFront:
+    """A border of the contact area along which the pressure has no fits.
+
+    Attributes:
+        frames: n stations along it.
+        sizes: (n,) lengths of the elements across it.
+        node: one of those in contact next to it.
+        lack: why it is no front.
+    """
+
+    frames: Frames
+    sizes: Array
+    node: int
+    lack: Withheld
+
+
 class FrontFinder:
     """Finds the fronts of a contact surface.
 
@@ -146,33 +164,69 @@ class FrontFinder:
         self._tree = contact.surface.tree
         self._count = count
 
-    def fronts(self, contact: Bools, pressure: Array) -> tuple[SpaceFront, ...]:
+    def fronts(self, areas: Sequence[Bools], pressure: Array) -> tuple[SpaceFront, ...]:
         """Fronts in one state, longest first; none where they cannot be told.
 
         Args:
-            contact: (N,) nodes under pressure.
+            areas: (N,) nodes in contact, as of `contact_areas`: those of which fewer borders are
+                fronts are left aside. Flickering pressures leave holes in the first one.
             pressure: (N,) means around the nodes.
         """
-        found = (
-            self._front(line, contact, pressure)
-            for line in outlines(self._facets, contact)
-            if len(line.inside) >= FEWEST_CROSSED[line.closed]
-        )
-        return tuple(front for front in found if front is not None)
+        best: tuple[SpaceFront, ...] = ()
+        for area in areas:
+            lines = self._lines(area)
+            every = (self._front(line, areas[-1], pressure) for line in lines)
+            best = max(best, tuple(front for front in every if front is not None), key=len)
+            if len(best) >= len(lines):
+                break
+        return best
 
     def borders(self, contact: Bools) -> tuple[Border, ...]:
         """Fronts in one state by the nodes in contact (N,) alone, longest first."""
-        found = []
-        for line in outlines(self._facets, contact):
-            if len(line.inside) >= FEWEST_CROSSED[line.closed]:
-                middles, pieces = line.middles(self._points), FEWEST_PIECES[line.closed]
-                curve = _curve(middles, line.closed, pieces, self._ends(line, middles)[1])
-                if curve is not None:
-                    frames = curve.at(self._count, self._normals)
-                    stations = range(len(frames.arc))
-                    sizes = np.array([self._sectors.sizes(frames, each)[0] for each in stations])
-                    found.append((frames, np.array([-OUTSIDE, BY_OUTLINE])[:, None] * sizes))
-        return tuple(found)
+        found = (self._border(line) for line in self._lines(contact))
+        return tuple(
+            (frames, np.array([-OUTSIDE, BY_OUTLINE])[:, None] * sizes)
+            for frames, sizes in filter(None, found)
+        )
+
+    def lost(
+        self, contact: Bools, pressure: Array, fronts: Sequence[SpaceFront]
+    ) -> Iterator[LostFront]:
+        """Borders of the nodes in contact along most of which there is no front, longest first.
+
+        Args:
+            contact: (N,) nodes in contact.
+            pressure: (N,) means around the nodes.
+            fronts: those that were found.
+        """
+        curves = [
+            finer(each.frames, np.zeros_like(each.depth), each.sizes[:, None])[0] for each in fronts
+        ]
+        known = cKDTree(np.vstack(curves))
+        for line in self._lines(contact):
+            border = self._border(line)
+            if border is not None:
+                frames, sizes = border
+                if np.mean(known.query(frames.points)[0] > BAND * sizes) > 1 - KNOWN_STATIONS:
+                    rise = float(np.median(self._rises(frames, contact, pressure) / sizes))
+                    middle = frames.points[len(sizes) // 2]
+                    lack = lost_front(middle, max(round(rise), 1), WANTED_ACROSS[line.closed] // 2)
+                    yield LostFront(frames, sizes, int(line.inside[0]), lack)
+
+    def _lines(self, contact: Bools) -> list[Outline]:
+        """Outlines that are long enough for fronts, longest first."""
+        lines = outlines(self._facets, contact)
+        return [line for line in lines if len(line.inside) >= FEWEST_CROSSED[line.closed]]
+
+    def _border(self, line: Outline) -> tuple[Frames, Array] | None:
+        """Stations along an outline, and sizes (n,) of the elements across it."""
+        middles, pieces = line.middles(self._points), FEWEST_PIECES[line.closed]
+        curve = _curve(middles, line.closed, pieces, self._ends(line, middles)[1])
+        if curve is None:
+            return None
+        frames = curve.at(self._count, self._normals)
+        stations = range(len(frames.arc))
+        return frames, np.array([self._sectors.sizes(frames, each)[0] for each in stations])
 
     def _front(self, line: Outline, contact: Bools, pressure: Array) -> SpaceFront | None:
         closed, pieces = line.closed, FEWEST_PIECES[line.closed]
@@ -219,6 +273,17 @@ class FrontFinder:
 
     def _depths(self, frames: Frames, contact: Bools) -> Array:
         """(n,) half of the distances along `inward` to where the contact ends."""
+        s, _, last = self._ways(frames, contact)
+        return np.asarray(s[last] / 2)
+
+    def _rises(self, frames: Frames, contact: Bools, pressure: Array) -> Array:
+        """(n,) distances along `inward` to the largest pressure before the contact ends."""
+        s, nodes, last = self._ways(frames, contact)
+        before = np.arange(STEPS) <= last[:, None]
+        return np.asarray(s[np.where(before, pressure[nodes], -np.inf).argmax(axis=1)])
+
+    def _ways(self, frames: Frames, contact: Bools) -> tuple[Array, Indices, Indices]:
+        """Distances (STEPS,) along `inward`, nodes there (n, STEPS), number (n,) of the last."""
         extent = float(np.linalg.norm(np.ptp(self._points[contact], axis=0)))
         s = np.linspace(0.0, 1.1 * extent, STEPS)
         places = frames.points[:, None] + s[:, None] * frames.inward[:, None]
@@ -229,7 +294,7 @@ class FrontFinder:
         begun = np.maximum.accumulate(inside, axis=1)
         ended = begun & ~inside
         last = np.where(ended.any(axis=1), ended.argmax(axis=1), STEPS - 1)
-        return np.asarray(s[last] / 2)
+        return s, nodes.reshape(inside.shape), last
 
 
 def _mirror(point: Array, normal: Array) -> Mirror | None:
@@ -299,10 +364,8 @@ def follow_fronts(
 
     def fronts(state: int) -> tuple[SpaceFront, ...]:
         if state not in found:
-            areas = contact_areas(contact, state)
-            pressure = contact.mean_traction[state][:, 0]
-            either = (finder.fronts(area, pressure) for area in areas)
-            found[state] = next((each for each in either if each), ())
+            areas = tuple(contact_areas(contact, state))
+            found[state] = finder.fronts(areas, contact.mean_traction[state][:, 0])
         return found[state]
 
     def borders(state: int) -> tuple[Border, ...]:
@@ -325,6 +388,24 @@ def follow_fronts(
         known = FrontFit(*(each[rows] for each in vars(fit).values()))
         tracks.append(FrontTrack(front, known, reference))
     return tuple(tracks)
+
+
+def lost_fronts(
+    solution: Solution, contact: ContactHistory, tracks: Sequence[FrontTrack]
+) -> tuple[LostFront, ...]:
+    """Borders of the contact area that have no front in the state of those that were followed.
+
+    Args:
+        solution: the solved history.
+        contact: one of its contacts.
+        tracks: its fronts.
+    """
+    if not tracks:
+        return ()
+    state, fronts = int(solution.source[tracks[0].state]), [each.front for each in tracks]
+    *_, area = contact_areas(contact, state)
+    finder = FrontFinder(contact, len(fronts[0].sectors))
+    return tuple(finder.lost(area, contact.mean_traction[state][:, 0], fronts))
 
 
 def _follow(

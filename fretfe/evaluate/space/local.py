@@ -703,6 +703,8 @@ def _mean(values: Array) -> np.polynomial.Polynomial:
 
 def _unposed(station: Station) -> str:
     """Reason why a station has no plane problem; empty if it may have one."""
+    if station.lack.whole:
+        return station.lack.text
     if station.end:
         return "within a local length of a free end, where the fields are not those of an edge"
     if not station.friction > 0:

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe.caution import Kind
+from fretfe.caution import Kind, Subject, places
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
@@ -130,7 +130,20 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
         texts.append(f"d {found}{_counted_from(station)} ({_compared(run, station, verdict)})")
     end = end_beside(run, station)
     near = "" if end is None else _by_parts(run, contact, station) + nearest_range(run, end)
-    return f"Worst: {_place(run, contact, station)}: {', '.join(texts)}{near}."
+    worst = "Worst of the fronts that are known" if _lost(run) else "Worst"
+    return f"{worst}: {_place(run, contact, station)}: {', '.join(texts)}{near}."
+
+
+def _lost(run: Result) -> list[Subject]:
+    """Contacts of solids with a border but no front, and borders of them without a front."""
+    contacts = (each for each in run.contacts if each.lack.lost and not each.fronts)
+    fronts = (
+        Subject(contact.name, front.name)
+        for contact in run.contacts
+        for front in contact.fronts
+        if front.lost
+    )
+    return [*(Subject(each.name) for each in contacts), *fronts]
 
 
 def _by_parts(run: Result, contact: Contact, station: Station) -> str:
@@ -200,6 +213,8 @@ def _trust(run: Result, contact: Contact, station: Station) -> str:
 
 def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     """Reasons to doubt the numbers of a station."""
+    if lost_ones := _lost(run):
+        yield f"nothing is known of {places(lost_ones)}, which may be worse"
     if run.failure is not None:
         yield "the run is not complete"
     elif run.loads.cycle is None and station.friction != 0:

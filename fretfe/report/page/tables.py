@@ -314,6 +314,8 @@ def _front_table(run: Result) -> Table:
                 table.add_row("  all too near an end")
                 continue
             table.add_row(f"{owner} {front.name}", *_along(judged))
+            if front.lost:
+                table.add_row("  cannot be followed")
             worst = front.worst
             if worst is not None:
                 table.add_row(f"  {worst.number} at {number(worst.arc, 3)}", *_at(worst))

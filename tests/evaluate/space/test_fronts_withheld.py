@@ -8,11 +8,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from evaluate.space.test_evaluate import STATIONS, Field, grid, hertz, solved
+from evaluate.space.test_evaluate import SIZE, STATIONS, Field, grid, hertz, solved
 
 from fretfe._typing import Array
+from fretfe.caution import Kind, Subject
+from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.space.contact_area import why_no_fronts
-from fretfe.evaluate.space.fronts import follow_fronts
+from fretfe.evaluate.space.fronts import follow_fronts, lost_fronts
 from fretfe.evaluate.withheld import Lack
 
 
@@ -40,6 +42,37 @@ def punch(half: float) -> Field:
 def corner(x: Array, z: Array) -> Array:
     """A contact in a corner of the surface, which leaves a triangle open at the other one."""
     return np.asarray(np.sqrt(np.clip(1.8 - x - z, 0.0, None)))
+
+
+def strip(x: Array, z: Array) -> Array:
+    """Falls like a root on both sides, on the right from a peak within an element."""
+    steep = 1 + 8 * np.exp((x - 0.8) / (1.1 * SIZE))
+    return np.asarray(np.sqrt(np.clip(0.64 - x**2, 0.0, None)) * steep + 0 * z)
+
+
+def test_a_border_without_a_front_is_a_front_of_which_nothing_is_known() -> None:
+    solution, contact = solved(*grid(), [strip])
+    tracks = follow_fronts(solution, contact, STATIONS)
+    (found,) = evaluate(solution, tracks={"main": tracks})
+    known, lost = found.fronts
+    assert (known.lost, lost.lost) == (False, True) and lost.name == "front 2"
+    k_n, bars = np.array([each.decisive_k_n for each in known.stations]).T
+    assert np.all(np.abs(k_n - np.sqrt(1.6)) < np.minimum(bars, 0.05))
+    # Means around nodes reach an element farther.
+    edge = [each.point[0] for each in lost.stations]
+    np.testing.assert_allclose(edge, 0.8 + SIZE, atol=0.6 * SIZE)
+    assert lost.length == pytest.approx(3.0, abs=2 * SIZE)
+    assert not any(np.isfinite(each.reported_k_n) for each in lost.stations)
+    (caution,) = (each for each in found.warnings if each.kind is Kind.NOTHING_KNOWN)
+    assert caution.subject == Subject("main", "front 2")
+    assert re.search("around .0.8.*within 2 elements of it, 4 are wanted", caution.text)
+
+
+@pytest.mark.parametrize("field", [hertz(1.0, 1.0), hertz(1.0, 1e6)], ids=["closed", "open"])
+def test_borders_with_fronts_are_not_lost(field: Field) -> None:
+    solution, contact = solved(*grid(), [field])
+    tracks = follow_fronts(solution, contact, STATIONS)
+    assert tracks and not lost_fronts(solution, contact, tracks)
 
 
 REASONS: dict[str, tuple[Field, Lack, str]] = {
