@@ -361,9 +361,7 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
             "far below f p there, and slip reaches farther",
         )
     if zone.gross:
-        return Judgement(
-            Verdict.GROSS, "the contact slips as far as its middle: there is no slip zone"
-        )
+        return Judgement(Verdict.GROSS, "the whole contact slips: there is no slip zone")
     if zone.flank >= NEAR_SLIDING:
         return Judgement(
             Verdict.NO_VERDICT,

@@ -84,7 +84,8 @@ class FrontEdges(EdgeData):
         """Slip zones by the slip of the nodes, as of `EdgeData.border`."""
         front = self.track.front
         sector, depth = front.sectors[number], float(front.depth[number])
-        return self.slip.border_of(sector, position, depth, outer, growth)
+        chord = front.chord(self.contact.surface.points, number)
+        return self.slip.border_of(sector, chord, position, depth, outer, growth)
 
     def shear_share(
         self, number: int, state: int, zone: SlipZone, line: Array, begin: float

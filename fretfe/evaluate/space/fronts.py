@@ -106,6 +106,16 @@ class SpaceFront:
         """(n,) lengths of the elements across the front."""
         return np.array([sector.size for sector in self.sectors])
 
+    def chord(self, points: Array, station: int) -> Indices:
+        """Those of points (N, 3) between a station and the other side of the contact."""
+        frames, depth = self.frames, float(self.depth[station])
+        place = points - frames.points[station]
+        along, inward, across = (
+            place @ each[station] for each in (frames.along, frames.inward, frames.across)
+        )
+        near = (np.abs(along) <= self.sectors[station].half_width) & (np.abs(across) <= depth)
+        return np.flatnonzero(near & (inward > 0) & (inward < 2 * depth))
+
     @property
     def aside(self) -> Array:
         """(n,) distances along the front to where factors are integrated; 0 but next to an end."""

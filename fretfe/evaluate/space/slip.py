@@ -11,9 +11,11 @@ only larger slip counts for the area.
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.growth import FindGrowth, evened
 from fretfe.evaluate.numerics import average, rising_zero
 from fretfe.evaluate.plane.slip import INTERVAL, NODAL_ERROR
@@ -41,7 +43,8 @@ SPARE = 3
 # or stick as a whole, and a border need not run along the front.
 BY_AREA = 1.0
 BY_FIT = 0.15
-# Part of the way to the middle of the contact that slips, from which all of it does.
+# Part of the way to the middle of the contact that slips, and of the area to its other side, from
+# which all of it does. Zones may end behind the middle, where the other side sticks.
 GROSS = 0.98
 # Part of the way of the mean slip that goes in its mean direction, below which it turns: .64 of a
 # force that turns at constant size, 1 on a line; (K_T, K_S) that turn by a tenth leave .99.
@@ -64,7 +67,7 @@ def sector_border(
     Args:
         sector: m nodes around the station.
         place: of the front, inward from the reference front.
-        depth: half of the width of the contact at the station.
+        depth: as far as which the zone is looked for: gross, if it is longer.
         slip: (m,) in the direction of the slip zone since the last reversal.
         moved: (m,) nodes in contact that have slipped.
         area: (m,) areas that belong to the nodes.
@@ -190,6 +193,7 @@ class SlipBetween:
     def border_of(
         self,
         sector: Sector,
+        chord: Indices,
         place: Array,
         depth: float,
         outer: Bools | None = None,
@@ -199,6 +203,7 @@ class SlipBetween:
 
         Args:
             sector: around it.
+            chord: nodes from there to the other side of the contact.
             place: (T,) of the front, inward from the reference.
             depth: half of the width of the contact.
             outer: (T,) whether the slip in the step to each state counts; None if all of it does.
@@ -208,27 +213,33 @@ class SlipBetween:
 
         def find(start: int, end: int) -> SlipBorder:
             steps, closed = self.steps(start, end)
-            own = steps[:, sector.nodes]
-            if outer is not None:
-                own = own[outer[start + 1 : end + 1]]
-            slip, straight = _forward(
-                own, (sector.fade * area)[closed[sector.nodes]], closed[sector.nodes]
-            )
-            moved = closed[sector.nodes] & (slip > SMALLEST_SLIP * slip.max(initial=0.0))
-            here, turns = float(place[end]), straight < STRAIGHT
-            border = sector_border(sector, here, depth, slip, moved, area, turns=turns)
+            counted = slice(None) if outer is None else outer[start + 1 : end + 1]
+            own = steps[:, sector.nodes][counted]
+            slip, straight, moved = _moved(own, closed[sector.nodes], sector.fade * area)
+            here, turns, reach = float(place[end]), straight < STRAIGHT, depth
+
+            def by(stretch: Array | float) -> SlipBorder:
+                return sector_border(sector, here, reach, slip / stretch, moved, area, turns=turns)
+
+            border = by(1.0)
+            held = chord[closed[chord] & (self._contact.status[start][chord] != OPEN)]
+            if border.gross and self._sticks(steps[:, held][counted], held):
+                reach = float(sector.s.max()) - here
+                border = by(1.0)
+                if border.gross:  # it ends where nodes are too far from the station
+                    border = replace(border, gross=False, resolved=False)
             grown = growth(start, end)
             if grown is not None:
-
-                def by(stretch: Array) -> SlipBorder:
-                    return sector_border(
-                        sector, here, depth, slip / stretch, moved, area, turns=turns
-                    )
-
                 border = evened(grown, sector.s - here, border, by, sector.size)
             return border.held
 
         return find
+
+    def _sticks(self, steps: Array, nodes: Indices) -> bool:
+        """True if some nodes (m,), all in contact, have not all slipped in steps (k, m, 3)."""
+        area = self._contact.surface.weights[nodes]
+        *_, moved = _moved(steps, np.ones(len(nodes), dtype=bool), area)
+        return bool(area[moved].sum() < GROSS * area.sum())
 
 
 def shear_share(
@@ -261,6 +272,18 @@ def shear_share(
         return np.nan
     shear = np.einsum("nt,ntd->nd", traction[counted, 1:], contact.surface.frames[nodes, 1:])
     return float(abs(weights @ shear @ axis) / bound)
+
+
+def _moved(steps: Array, closed: Bools, weights: Array) -> tuple[Array, float, Bools]:
+    """Slip (m,) as of `_forward`, how straight it is, and nodes in contact (m,) that have slipped.
+
+    Args:
+        steps: (k, m, 3) slip in each step.
+        closed: (m,) nodes in contact.
+        weights: (m,) of all nodes.
+    """
+    slip, straight = _forward(steps, weights[closed], closed)
+    return slip, straight, closed & (slip > SMALLEST_SLIP * slip.max(initial=0.0))
 
 
 def _forward(steps: Array, weights: Array, closed: Bools) -> tuple[Array, float]:

@@ -354,12 +354,15 @@ def test_slip_zone_is_located_below_an_element() -> None:
     solution, contact = solved(*grid(), [hertz(1.0, 1.0)] * 2, slid)
     (front,) = evaluate_fronts(solution, contact, follow_fronts(solution, contact, STATIONS))
     # Without factors there are no half cycles: asked for directly.
-    from fretfe.evaluate.space.slip import SlipBetween
-
     (track,) = follow_fronts(solution, contact, STATIONS)
     slip = SlipBetween(contact, np.zeros(len(contact.traction)))
     borders = [
-        slip.border_of(sector, track.fit.place[:, row], float(track.front.depth[row]))(1, 2)
+        slip.border_of(
+            sector,
+            track.front.chord(contact.surface.points, row),
+            track.fit.place[:, row],
+            float(track.front.depth[row]),
+        )(1, 2)
         for row, sector in enumerate(track.front.sectors)
     ]
     lengths = np.array([border.length for border in borders])
@@ -367,6 +370,31 @@ def test_slip_zone_is_located_below_an_element() -> None:
     assert np.abs(lengths - width).max() < 0.3 * SIZE
     assert abs(lengths.mean() - width) < 0.1 * SIZE
     assert front.stations[0].slip_zones == ()
+
+
+@pytest.mark.parametrize(("border", "gross"), [(0.25, False), (2.0, True)], ids=["one side", "all"])
+def test_a_zone_beyond_the_middle_is_gross_only_where_the_other_side_slips(
+    border: float, gross: bool
+) -> None:
+    points, facets = grid()
+
+    def slid(x: Array, z: Array) -> Array:
+        return np.asarray(np.clip(border - x, 0.0, None) ** 1.5 + 0 * z)
+
+    solution, contact = solved(points, facets, [hertz(1.0, 1e6)] * 2, slid)
+    tracks = follow_fronts(solution, contact, STATIONS)
+    (track,) = (each for each in tracks if each.front.frames.points[0, 0] < 0)
+    slip, front = SlipBetween(contact, np.zeros(3)), track.front
+    found = [
+        slip.border_of(sector, front.chord(points, row), track.fit.place[:, row], front.depth[row])(
+            1, 2
+        )
+        for row, sector in enumerate(front.sectors)
+    ]
+    assert all(each.gross is gross for each in found)
+    if not gross:
+        lengths = np.array([each.length for each in found])
+        np.testing.assert_allclose(lengths, 1 + border, atol=0.6 * SIZE)
 
 
 def test_nothing_is_told_of_a_contact_of_few_nodes_or_of_a_flat_end() -> None:
@@ -427,7 +455,10 @@ def turning_slip(border: float, steps: int, turn: float) -> SlipBorder:
     (track,) = follow_fronts(solution, contact, STATIONS)
     front = track.front
     find = SlipBetween(sheared, np.zeros(steps + 1)).border_of(
-        front.sectors[0], track.fit.place[:, 0], float(front.depth[0])
+        front.sectors[0],
+        front.chord(points, 0),
+        track.fit.place[:, 0],
+        float(front.depth[0]),
     )
     return find(0, steps)
 
