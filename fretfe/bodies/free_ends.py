@@ -42,13 +42,16 @@ class ThickEnd:
     Attributes:
         contact: its name.
         size: length of the elements there.
-        wanted: largest length with which all stations have ranges.
+        wanted: largest length with which all stations have ranges, beside elements across the front
+            as they are: nearer to one another than those no stations count.
+        fixed: likewise, whatever the elements across the front.
         left_out: stations at an end nearer to it than an element.
     """
 
     contact: str
     size: float
     wanted: float
+    fixed: float
     left_out: int
 
 
@@ -61,12 +64,13 @@ def end_warning(case: Case, mesh: Mesh) -> Iterator[str]:
     if not ends:
         return
     worst = max(ends, key=lambda each: each.size / each.wanted)
-    shrink, unit = worst.wanted / worst.size, case.units.length
-    now = _end_size(case)
-    wanted = _rounded_down(worst.wanted if now is None else shrink * now[1])
-    what = (
-        f"make them {wanted:g} {unit} long there" if now is None else f"set {now[0]} = {wanted:g}"
-    )
+    now, unit = _end_size(case), case.units.length
+    if now is not None:
+        what = f"set {now[0]} = {_rounded_down(worst.wanted / worst.size * now[1]):g}"
+    else:  # smaller ones may be smaller across the front, too
+        what = f"make them {_rounded_down(worst.fixed):g} {unit} long there"
+        if worst.fixed < worst.wanted:
+            what += f", or {BELOW:g} times as long as across the front"
     yield (
         f"elements are {rounded(worst.size, 2)} {unit} long along the fronts at the free ends of "
         f"contact{'s' * (len(ends) > 1)} {', '.join(each.contact for each in ends)}: at "
@@ -86,19 +90,18 @@ def thick_ends(case: Case, mesh: Mesh) -> Iterator[ThickEnd]:
             for surface in (initial.surface1, initial.surface2)
             for each in _along_front(case, mesh, model, initial, surface)
         ]
-        size, spacing = max(found, key=lambda each: each[0] / each[1], default=(0.0, math.inf))
-        if size > 1.05 * BELOW * spacing / 2:
-            left_out = max(math.floor(size / spacing + 0.5), 1)
-            yield ThickEnd(name, size, BELOW * _share(case) * spacing / 2, left_out)
+        size, spacing, across = max(
+            found, key=lambda each: each[0] / max(each[1:]), default=(0.0, math.inf, 0.0)
+        )
+        if size > 1.05 * BELOW * max(spacing, across) / 2:
+            left_out, part = max(math.floor(size / spacing + 0.5), 1), BELOW * _share(case) / 2
+            yield ThickEnd(name, size, part * max(spacing, across), part * spacing, left_out)
 
 
 def _along_front(
     case: Case, mesh: Mesh, model: ModelDefinition, initial: InitialGap, surface: Surface
-) -> Iterator[tuple[float, float]]:
-    """For each free end of a surface the length of elements along the front, and of stations.
-
-    Those are no nearer to one another than elements across the front.
-    """
+) -> Iterator[tuple[float, float, float]]:
+    """For each free end of a surface lengths of elements along the front, stations, two across."""
     from scipy.spatial import cKDTree
 
     gap = initial.gap - initial.gap.min()
@@ -125,8 +128,8 @@ def _along_front(
         alike = inward @ outward > 0.5 * np.linalg.norm(outward)
         if alike.any():
             length = float(np.ptp(closing @ np.median(inward[alike], axis=0)))
-            spacing = max(length / case.edges.stations, 2 * float(lengths[alike].min()))
-            yield float(np.median(np.abs(reach[alike]).max(axis=1))), spacing
+            size = float(np.median(np.abs(reach[alike]).max(axis=1)))
+            yield size, length / case.edges.stations, 2 * float(lengths[alike].min())
 
 
 def _facets_at(surface: Surface, edges: Indices) -> Indices:

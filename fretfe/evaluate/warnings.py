@@ -224,7 +224,7 @@ def _withheld(solution: Solution, name: str, found: Mapping[str, Any]) -> Iterat
     least = int(np.argmin(share))
     for front in found["fronts"]:
         reasons = [text for station in front.judged if (text := withheld(station))]
-        if 2 * len(reasons) <= len(front.judged):
+        if front.lost or 2 * len(reasons) <= len(front.judged):
             continue
         text = (
             f"K_N or the range of K_T and K_S is not told at {len(reasons)} of "

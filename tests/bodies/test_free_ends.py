@@ -104,6 +104,21 @@ def test_a_mesh_file_has_no_key(tmp_path: Path) -> None:
     assert found(one) == found(whole)
 
 
+@pytest.mark.parametrize("size", [0.2, 0.3])
+def test_a_length_to_use_does_not_follow_the_elements_of_a_mesh_file(
+    tmp_path: Path, size: float
+) -> None:
+    """Elements that are smaller at the end are smaller across the front, too: both may be meant."""
+    solid_keys = case(solid(layers=10)).geometry.solid
+    assert solid_keys is not None
+    geometry = {**PLANE, "parameters": {"size": size, "zone": 1.5, "growth": 0.5}}
+    write_mesh(extrude(load_mesh(case(geometry)), solid_keys), tmp_path / "pad.msh")
+    one = case({"file": str(tmp_path / "pad.msh")}, stations=20)
+    (text,) = end_warning(one, load_mesh(one))
+    assert "0.4 mm long" in text and "at 2 of 20 stations" in text
+    assert text.endswith("make them 0.07 mm long there, or 0.7 times as long as across the front")
+
+
 def test_a_case_that_refines_itself_begins_with_layers_for_its_stations() -> None:
     tolerant = graded(case(solid(), tolerance=0.06))
     assert tolerant.geometry.solid is not None and tolerant.geometry.solid.end_size == 0.14
