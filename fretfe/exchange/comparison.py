@@ -337,10 +337,9 @@ def _front_notes(pair: ContactPair) -> Iterator[str]:
     for which, contact in (("first", pair.first), ("second", pair.second)):
         for front in contact.fronts:
             if id(front) not in paired:
-                yield (
-                    f"{contact.name} {front.name} of the {which} result has no partner: no front "
-                    "of the other one is in its place"
-                )
+                why = "no front of the other one is in its place"
+                why = "nothing is known of it" if front.lost else why
+                yield f"{contact.name} {front.name} of the {which} result has no partner: {why}"
 
 
 def _incomplete(first: Result, second: Result) -> Iterator[str]:
