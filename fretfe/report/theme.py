@@ -133,8 +133,6 @@ FRAMED: Any = {
 }
 # Intervals of linear axes.
 TICKS = 5
-# Marks of nodes that lie closer than this part of a panel's diagonal are not drawn.
-SPARSE = 0.012
 # A logarithmic axis over less than this factor has numbers between the powers of ten.
 FEW_DECADES = 200
 # Dots per inch of everything but images in an SVG file.
@@ -303,6 +301,14 @@ def envelope(values: Array | Indices) -> Indices:
         part.start + np.array([known[part].argmin(), known[part].argmax()]) for part in parts
     ]
     return np.unique(np.concatenate([[0, count - 1], *extremes]))
+
+
+def sparse(values: Array) -> float | None:
+    """Part of a panel's diagonal within which a line over values (n,) has one mark.
+
+    None, for all marks, if no value is known: Matplotlib fails to space those of no points.
+    """
+    return 0.012 if np.isfinite(values).any() else None
 
 
 def log_axis(axes: Axes, which: str) -> None:

@@ -191,10 +191,13 @@ def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run
 
 
 @pytest.mark.parametrize("known", [("left", "right"), ("left",), ()], ids=str)
-def test_factors_that_are_unknown_are_said_to_be(run: Result, known: tuple[str, ...]) -> None:
-    """The state from which they are counted has 0 in any case."""
+@pytest.mark.parametrize("first", [0.0, np.nan])
+def test_factors_that_are_unknown_are_said_to_be(
+    run: Result, known: tuple[str, ...], first: float
+) -> None:
+    """The state from which they are counted has 0, or nothing of patches that only came and went."""
     (contact,) = run.contacts
-    lost = np.where(np.arange(len(run.loads.times)) == 5, 0.0, np.nan)
+    lost = np.where(np.arange(len(run.loads.times)) == 5, first, np.nan)
     fronts = tuple(
         front
         if front.name in known
@@ -213,6 +216,7 @@ def test_factors_that_are_unknown_are_said_to_be(run: Result, known: tuple[str, 
     for axes in figure.axes:
         assert ("unknown: the warnings say why" in texts(axes)) != bool(known)
         assert bool(tick_numbers(axes, "y")) == bool(known)
+    figure.draw_without_rendering()
 
 
 def test_a_contact_of_one_node_has_room_around_it(shown: Shown) -> None:

@@ -50,7 +50,6 @@ from fretfe.report.theme import (
     ORANGE,
     PALE,
     SINGLE,
-    SPARSE,
     TRIPLE,
     VERMILLION,
     Plot,
@@ -60,6 +59,7 @@ from fretfe.report.theme import (
     make_plot,
     plain_axis,
     say_if_unknown,
+    sparse,
 )
 from fretfe.results.front_ends import find_end, known_numbers
 from fretfe.results.model import Result
@@ -201,7 +201,7 @@ def _draw(figure: Figure, shown: Shown, near: _Near) -> None:
     s, inside, half_width = _behind(shown, near)
     line = np.geomspace(s[inside].min(), half_width, 60)
     p = shown.tractions.mean_traction[near.later, inside, 0]
-    nodes: Any = {"ms": 4, "lw": 0.8, "color": BLUE, "markevery": SPARSE}
+    nodes: Any = {"ms": 4, "lw": 0.8, "color": BLUE, "markevery": sparse(_positive(p))}
     top.plot(s[inside], _positive(p), ".-", label="p, mean at the nodes", **nodes)
     k_n = reported(near.edge.k_n[near.later], near.edge.k_n_spread[near.later])
     if math.isfinite(k_n):
@@ -234,7 +234,7 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     cyclic = shown.run.loads.cycle is not None
     bound = friction * (after[:, 0] + before[:, 0] * cyclic)
     s = s[inside]
-    nodes: Any = {"ms": 4, "lw": 1.2, "color": BLUE, "markevery": SPARSE}
+    nodes: Any = {"ms": 4, "lw": 1.2, "color": BLUE, "markevery": sparse(_positive(change))}
     axes.plot(s, _positive(change), ".-", label="change of q", **nodes)
     axes.plot(s, _positive(bound), ":", color=GREY, label="friction bound")
     solution = shown.run.solution

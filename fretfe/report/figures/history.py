@@ -35,13 +35,13 @@ from fretfe.report.theme import (
     PALE,
     SINGLE,
     SMALL_TEXT,
-    SPARSE,
     Plot,
     envelope,
     legend_above,
     make_plot,
     plain_axis,
     say_if_unknown,
+    sparse,
 )
 from fretfe.results.model import Result
 from fretfe.results.quantities import axis_label
@@ -141,7 +141,7 @@ def draw_factors(
                 values[states],
                 marks[0 if place % 2 else 1],
                 ms=3,
-                markevery=SPARSE,
+                markevery=sparse(values[states]),
                 lw=1.0,
                 color=CYCLE[place % len(CYCLE)],
                 label=f"{owner}{edge_title(edge)}{'' if known else ', unknown'}",

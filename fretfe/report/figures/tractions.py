@@ -37,7 +37,6 @@ from fretfe.report.theme import (
     PALE,
     SINGLE,
     SKY,
-    SPARSE,
     VERMILLION,
     Plot,
     envelope,
@@ -46,6 +45,7 @@ from fretfe.report.theme import (
     make_plot,
     plain_axis,
     say,
+    sparse,
 )
 
 INTRO = (
@@ -203,7 +203,7 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     for (top, bottom), _, (low, high) in _edge_columns(figure, shown, labels):
         seen = (arc >= low) & (arc <= high)
         slip = found.slip_range[seen] / scale
-        top.plot(arc[seen], slip, ".-", color=BLUE, lw=1.2, ms=4, markevery=SPARSE)
+        top.plot(arc[seen], slip, ".-", color=BLUE, lw=1.2, ms=4, markevery=sparse(slip))
         for values, colour, style, label in (
             (found.work, BLUE, "-", "friction work"),
             (found.pressed_path, GREEN, "--", "p times slip"),
