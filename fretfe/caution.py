@@ -152,8 +152,8 @@ class Kind(StrEnum):
         "beside fine mesh",
         "the fine mesh ends before the front",
         "the elements at a front are much longer than the finest ones beside it",
-        "let the fine mesh reach farther (`edge_zone` of templates); with finer elements alone K_N "
-        "and slip zones get no better there",
+        "let the fine mesh reach farther (`edge_zone` of templates, or `edges.tolerance`, which "
+        "places it); with finer elements alone K_N and slip zones get no better there",
     )
     # Limits of the model, of a contact.
     UNITS = (

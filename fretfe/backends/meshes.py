@@ -228,8 +228,9 @@ def _change_text(before: Pass | None, last: Pass) -> str:
     if before is None and last.stations:
         return "shows where the contact edges are"
     if last.worst is None:
-        return "no edge factors yet"
-    return f"largest change: {last.worst.text}"
+        return "nothing to compare with yet" if last.stations else "no edge factors yet"
+    resolved = "" if last.resolved else "; its elements do not resolve all edges and slip zones"
+    return f"largest change: {last.worst.text}{resolved}"
 
 
 class SolidPasses(Passes):

@@ -11,9 +11,12 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.loaded import normal_force
+from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
 from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.mesh.sizing import FinePlaces
 
@@ -66,14 +69,16 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
 
 
 def _k_t(solution: Solution, station: Station) -> float:
-    """Range of K_T over the cycle; without one that of the worst counted cycle, or the last value.
+    """Range of K_T over the cycle; without one that of the worst counted cycle, or a value.
 
-    The last value of K_T under irregular loads is as good as any.
+    It is that in the state that decides: in the last one there may be next to no load.
     """
     if solution.cycle is not None:
         return station.k_range
     cycles = station.cycles
-    return float(cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_along[-1])
+    return float(
+        cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_along[station.decisive]
+    )
 
 
 def _stations(
@@ -97,7 +102,7 @@ def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
     Half of the half-width for Hertz; about the length of the rounding in contact for a flat and
     rounded punch. At most the half-width; that of the closed elements while K_N is unknown.
     """
-    pressure = history.traction[station.last, :, 0]
+    pressure = history.traction[station.decisive, :, 0]
     patch = main_patch(history.surface.arc, pressure)
     half_width = float(contact.half_width[station.decisive])
     if not np.isfinite(station.decisive_k_n[0]) or not np.isfinite(half_width):
@@ -135,7 +140,8 @@ def fine_places(
     known = [front for front in contact.fronts if front.judged]
     for front in known:
         yield _along(front, states, tolerance)
-    pressed = history.traction[int(states[-1]), :, 0] > 0
+    heaviest = most_loaded(normal_force(history), states)
+    pressed = history.traction[heaviest, :, 0] > 0
     if not known and pressed.any():
         count = np.count_nonzero(pressed)
         finer = np.clip(math.sqrt(NODES_WITH_FRONTS / count), MOST_FINER, BLIND)
@@ -236,12 +242,28 @@ def _station_intervals(
             size = min(size, zone_size)
             places += [(end, min(size, zone_size)) for end in ends]
     intervals.append(Interval(contact.name, low, high, size))
+    if not np.isfinite(station.position[states]).all():
+        intervals.append(_crossed(history, contact, station))
     intervals += [
         Interval(contact.name, place, place, refinement * min(size, own))
         for place, own in places
         if math.isfinite(place)
     ]
     return intervals
+
+
+def _crossed(history: ContactHistory, contact: Contact, station: Station) -> Interval:
+    """The patch in the state that decides, of which edges cross a part as bodies touch and part.
+
+    That happens within steps, of which no place is known here. Its elements are as they are, or
+    smaller if some state has too few of them for edges.
+    """
+    arc = history.surface.arc
+    patch = main_patch(arc, history.traction[station.decisive, :, 0])
+    low, high = float(arc[patch.first]), float(arc[patch.last])
+    few = station.lack.kind is Lack.FEW_NODES
+    finer = MISSED * station.lack.wanted / max(station.lack.found, 1) if few else 1.0
+    return Interval(contact.name, low, high, _largest_element(arc, low, high) / finer)
 
 
 def _length(zone: SlipZone) -> float:

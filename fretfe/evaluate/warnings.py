@@ -86,9 +86,7 @@ def plane_warnings(
         for each in about(name, station.front, _uncertain(station, unknown)):
             yield replace(each, partly=partly and each.kind is unknown)
     for station in stations:
-        ends = np.column_stack([contact.surface.arc[:-1], contact.surface.arc[1:]])
-        s = station.inward * (ends - station.position[station.last])
-        beside = _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
+        beside = _beside_plane_mesh(solution, contact, station)
         if beside is not None:
             yield from about(name, station.front, [(Kind.BESIDE_FINE_MESH, beside)])
 
@@ -172,6 +170,24 @@ def _solid_contact(
         yield Kind.UNSTEADY, unsteady
 
 
+def _beside_plane_mesh(solution: Solution, contact: ContactHistory, station: Station) -> str | None:
+    """As `_beside_fine_mesh`, of a plane edge and the elements nearer to it than to the other one.
+
+    Those beyond are fine for the other edge. The place is that at which K_N is reported, where
+    meshes that refine themselves are finest.
+    """
+    arc, place = contact.surface.arc, station.position[station.decisive]
+    pressed = np.flatnonzero(contact.traction[station.decisive, :, 0] > 0)
+    if not len(pressed) or not np.isfinite(place):
+        return None
+    centre = float(arc[pressed[[0, -1]]].mean())
+    s = station.inward * (np.column_stack([arc[:-1], arc[1:]]) - place)
+    own = s[s.min(axis=1) < station.inward * (centre - place)]
+    here = own[(own.min(axis=1) <= 0) & (own.max(axis=1) >= 0)]
+    size = float(np.ptp(here, axis=1).max(initial=0.0))
+    return _beside_fine_mesh(solution, replace(station, size=size), own, np.ptp(own, axis=1))
+
+
 def _beside_solid_mesh(
     solution: Solution, contact: ContactHistory, edges: Indices, station: Station
 ) -> str | None:
@@ -183,7 +199,7 @@ def _beside_solid_mesh(
     near &= across[:, 0] & (np.abs(s).max(axis=1) < station.depth)
     if not near.any():
         return None
-    s = s[near] - station.position[station.last]
+    s = s[near] - station.position[station.decisive]
     return _beside_fine_mesh(solution, station, s, np.ptp(s, axis=1))
 
 
@@ -193,7 +209,7 @@ def _beside_fine_mesh(solution: Solution, station: Station, s: Array, lengths: A
     Args:
         solution: with the cycle.
         station: one.
-        s: (E, 2) places of the ends of elements, inward from the last position of the station.
+        s: (E, 2) places of the ends of elements, inward from the station in the state that decides.
         lengths: (E,) of these.
     """
     finest = float(np.quantile(lengths[lengths > 0], 0.05)) if (lengths > 0).any() else np.inf
@@ -206,7 +222,7 @@ def _beside_fine_mesh(solution: Solution, station: Station, s: Array, lengths: A
     if inside.any() or not np.isfinite(places).all():
         return None
     nearest = float(fine.ravel()[np.argmin(np.abs(fine))])
-    moves = np.abs(places - station.position[station.last] - nearest).max()
+    moves = np.abs(places - station.position[station.decisive] - nearest).max()
     side = "in" if nearest > 0 else "out"
     return (
         f"elements are {station.size:.2g} long there, and {finest:.2g} from {abs(nearest):.2g} "

@@ -26,6 +26,7 @@ from fretfe.evaluate.refinement import (
 )
 from fretfe.evaluate.resolution import (
     BLIND,
+    MISSED,
     PER_RISE,
     PER_SLIP_ZONE,
     Interval,
@@ -34,7 +35,7 @@ from fretfe.evaluate.resolution import (
     resolves,
     station_values,
 )
-from fretfe.evaluate.withheld import TOLD
+from fretfe.evaluate.withheld import TOLD, Lack, Withheld
 from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import Solution
 from fretfe.idealise import HalfPlaneProblem
@@ -96,7 +97,8 @@ def test_the_range_of_a_moving_edge_is_to_be_fine() -> None:
     ends = HERTZ.half_width(LOAD * 0.7), HERTZ.half_width(LOAD * 1.3)
     for sign in (-1, 1):
         for place in np.linspace(*ends, 9):
-            assert at(intervals, sign * float(place)) <= 1.05 * 0.5 / PER_RISE
+            # (p0/K_N)^2 = a/2 in the state of the larger load
+            assert at(intervals, sign * float(place)) <= 1.05 * ends[1] / 2 / PER_RISE
 
 
 def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
@@ -135,6 +137,35 @@ def test_an_open_contact_has_no_values(
     (history,) = solution.contacts
     lifted = replace(history, traction=history.traction * 0)
     assert station_values(replace(solution, contacts=(lifted,)), contacts) == ()
+
+
+@pytest.mark.parametrize("left", [0.0, 1e-6])
+def test_a_contact_that_ends_without_load_has_the_values_of_the_state_that_decides(
+    cycled: tuple[Solution, tuple[Contact, ...]], left: float
+) -> None:
+    """With one node far from the centre under what is left, or none; its nodes were too few."""
+    solution, (contact,) = cycled
+    (history,) = solution.contacts
+    traction = np.array(history.traction)
+    traction[-1] = 0.0
+    traction[-1, np.searchsorted(history.surface.arc, -0.9)] = left
+    parted = replace(solution, contacts=(replace(history, traction=traction),))
+    stations = [
+        replace(
+            each,
+            position=np.where(solution.times < solution.times[-1], each.position, math.nan),
+            decisive=int(solution.ends[-17]),
+            lack=Withheld(Lack.FEW_NODES, 4, 8),
+        )
+        for each in contact.stations
+    ]
+    ended = replace(contact, fronts=fronts_of(stations))
+    for values in station_values(parted, (ended,)):
+        assert values.rise == pytest.approx(0.5, rel=0.02)
+    # Edges cross the contact within steps: twice as many elements over its largest.
+    arc = history.surface.arc
+    middle = float(np.diff(arc[np.abs(arc) <= 1]).max())
+    assert at(needed_sizes(parted, (ended,), 0), 0.0) == pytest.approx(middle / 2 / MISSED)
 
 
 def test_a_mesh_resolves_what_its_elements_are_small_enough_for(

@@ -195,7 +195,7 @@ def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run
 def test_factors_that_are_unknown_are_said_to_be(
     run: Result, known: tuple[str, ...], first: float
 ) -> None:
-    """The state from which they are counted has 0, or nothing of patches that only came and went."""
+    """The state from which they are counted has 0, if there is any."""
     (contact,) = run.contacts
     lost = np.where(np.arange(len(run.loads.times)) == 5, first, np.nan)
     fronts = tuple(

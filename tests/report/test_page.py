@@ -434,11 +434,10 @@ def test_refinement_is_shown(tmp_path: Path) -> None:
         for k_n in (1200.0, 1236.0)
     )
     changes = edge_changes([first], [second], {"main": "main"})
-    passes = Pass(1000, 0.01, (first,), True, ()), Pass(2000, 0.01, (second,), True, changes)
+    passes = Pass(1000, 0.01, (first,), False, ()), Pass(2000, 0.01, (second,), True, changes)
     refinement = Refinement(0.01, passes, False, "too <large>")
     write_results(tmp_path, replace(solved("halfplane"), refinement=refinement))
     page = check_alone(render(tmp_path))
-    assert [row[:4] for row in page.rows("Changes from mesh to mesh")][1][
-        3
-    ] == "2.91%"  # of the newer value
+    resolved = [row[3:5] for row in page.rows("Changes from mesh to mesh")]
+    assert resolved == [["no", "-"], ["yes", "2.91%"]]  # of the newer value
     assert any("not fine enough" in words and "too <large>" in words for words in page.words)

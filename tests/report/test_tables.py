@@ -18,12 +18,19 @@ from matplotlib.figure import Figure
 from rich.console import Console
 
 from fretfe.evaluate.contacts import Contact, SlipZone, Station, fronts_of
+from fretfe.evaluate.refinement import Refinement
 from fretfe.quality.comparison import Row, print_rows
 from fretfe.quality.rows import Row as Checked
 from fretfe.quality.validation import Validation, print_validation
 from fretfe.report.figures.edges import _zones
 from fretfe.report.page.headline import headline
-from fretfe.report.page.tables import contact_table, front_texts, station_table, timing_table
+from fretfe.report.page.tables import (
+    contact_table,
+    front_texts,
+    refinement_tables,
+    station_table,
+    timing_table,
+)
 from fretfe.report.texts import number, print_whole, with_error, with_prefix
 from fretfe.results.model import Result
 from fretfe.results.tables import edge_records, station_records
@@ -228,6 +235,10 @@ def printed(show: Any) -> str:
     text = console.file.getvalue()  # type: ignore[attr-defined]
     assert max(map(len, text.splitlines())) <= WIDTH and not cut(text)
     return str(text)
+
+
+def test_meshes_of_which_nothing_is_known_have_no_tables() -> None:
+    assert refinement_tables(Refinement(0.01, (), False, "fretfe itself failed")) == []
 
 
 def test_benchmarks_fit() -> None:

@@ -200,8 +200,8 @@ def _steady(contact: Contact) -> str:
 
 
 def refinement_tables(refinement: Refinement | None) -> list[Table]:
-    """Tables of a run that refined its mesh itself; none if it did not."""
-    if refinement is None:
+    """Tables of a run that refined its mesh itself; none if it did not, or knows no mesh."""
+    if refinement is None or not refinement.passes:
         return []
     limits = _limit_table if refinement.limits else _reached_table
     return [_mesh_table(refinement), limits(refinement)]
@@ -209,13 +209,14 @@ def refinement_tables(refinement: Refinement | None) -> list[Table]:
 
 def _mesh_table(refinement: Refinement) -> Table:
     """One row per mesh of a run that refined its mesh itself, with the changes from the last."""
-    headers = ("mesh", "unknowns", "smallest element", "K_N", "ΔK", "slip zones")
+    headers = ("mesh", "unknowns", "smallest element", "resolved", "K_N", "ΔK", "slip zones")
     table = plain_table("Changes from mesh to mesh", headers, text=0)
     for place, done in enumerate(refinement.passes, start=1):
         table.add_row(
             str(place),
             str(done.unknowns),
             number(done.smallest_element, 3),
+            "yes" if done.resolved else "no",
             *(percent(done.of_kind(kind)) for kind in KINDS[:2]),
             percent(done.of_kind(KINDS[2])) if any(x.slip for x in done.stations) else MISSING,
         )
@@ -226,7 +227,7 @@ def _reached_table(refinement: Refinement) -> Table:
     """The largest last changes along each front of solids, and the stations."""
     headers = ("contact", "front", "value", "station", "found", "change")
     table = plain_table("Largest changes from the mesh before", headers, text=3)
-    for each in refinement.passes[-1].changes if refinement.passes else ():
+    for each in refinement.passes[-1].changes:
         place = each.contact, each.front, each.quantity, str(each.station)
         table.add_row(*place, number(each.value), percent(each.change))
     return table
