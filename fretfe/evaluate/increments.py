@@ -93,10 +93,11 @@ class ContactSteps:
 
         Without a cycle that is the last one; if no interval holds all of the cycle there are none.
         """
-        (first, last), cycle = self.intervals[-1], self.solution.cycle
-        states = np.arange(len(self.solution.times))
-        held = cycle is None or first <= cycle[0] < cycle[1] <= last
-        return np.asarray((states >= first) & (states <= last) & held)
+        cycle, states = self.solution.cycle, np.arange(len(self.solution.times))
+        for first, last in self.intervals[::-1]:
+            if cycle is None or first <= cycle[0] < cycle[1] <= last:
+                return np.asarray((states >= first) & (states <= last))
+        return np.zeros(len(states), dtype=bool)
 
     def by_interval(self, count: CountInterval) -> Array:
         """(T, ...) histories that begin anew with each interval of contact; NaN between them.

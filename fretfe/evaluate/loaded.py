@@ -77,9 +77,10 @@ def moving_state(solution: Solution) -> int:
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
     """The solution with the part of its cycle in which a plane contact has edges as its cycle.
 
-    That is the run of such states that has the largest P. One of several patches has its intervals.
+    That is the run of such states that has the largest P. One of several patches must begin and end
+    it with little of that: what it is before it merges, or after it parts, may have any range.
     """
-    if solution.cycle is None or contact.node_range is not None:
+    if solution.cycle is None:
         return solution
     first, last = solution.cycle
     force = normal_force(contact)
@@ -91,7 +92,11 @@ def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
     heaviest = most_loaded(force, np.arange(first, last + 1)) - first
     begin, end = next(pair for pair in runs.reshape(-1, 2) if pair[0] <= heaviest < pair[1])
     own = (first + int(begin), first + int(end) - 1)
-    return replace(solution, cycle=own) if own[0] < own[1] else solution
+    beside = [mine for mine, whole in zip(own, (first, last), strict=True) if mine != whole]
+    cut = contact.node_range is not None and force[beside].max(initial=0.0) > (
+        SMALL_LOAD * force[first : last + 1].max()
+    )
+    return solution if cut or own[0] == own[1] else replace(solution, cycle=own)
 
 
 def evaluated_states(solution: Solution, contact: ContactHistory) -> Indices:

@@ -70,7 +70,11 @@ class Withheld:
             case Lack.NO_EDGE | Lack.LOST | Lack.FAULT:
                 return self.words
             case Lack.ABSENT:
-                return f"the patch exists in {found} of the {wanted} states of the cycle"
+                return (
+                    f"the patch exists in {found} of the {wanted} states of the cycle, and K_T "
+                    "begins anew whenever it appears: choose a cycle in which it stays, from a "
+                    "load at which it does and back"
+                )
             case Lack.PARTED:
                 if not found:
                     return "the bodies do not touch"

@@ -266,7 +266,8 @@ def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
         # A patch that comes or goes within the cycle: what it does there is not known.
         cycle = cycle_states(result.loads.cycle)
         existing = np.count_nonzero(contact.normal_force[cycle] > 0)
-        if 0 < existing < len(cycle):
+        unknown = any(math.isnan(each.k_range) for each in contact.stations)
+        if 0 < existing < len(cycle) and unknown:
             given = f"it exists in {existing} of the {len(cycle)} states: its ranges are unknown"
             yield at.missing("patch in the cycle", given, Verdict.UNKNOWN)
 

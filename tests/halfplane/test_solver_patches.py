@@ -67,11 +67,15 @@ def inner_k_n(load: float) -> float:
 
 
 def solve(
-    loads: Sequence[float], shear: ArrayLike = 0.0, moment: ArrayLike = 0.0, **options: float
+    loads: Sequence[float],
+    shear: ArrayLike = 0.0,
+    moment: ArrayLike = 0.0,
+    nodes: Array = NODES,
+    **options: float,
 ) -> tuple[Solution, tuple[Contact, ...]]:
     given = problem(loads, shear, moment, profile=Bumps(), **options)  # type: ignore[arg-type]
     with pytest.MonkeyPatch.context() as changed:
-        changed.setattr(solver, "contact_grid", lambda *_: NODES)
+        changed.setattr(solver, "contact_grid", lambda *_: nodes)
         # Their edges are known in closed form for one patch only.
         changed.setattr(solver, "_neighbours", lambda *_: None)
         outcome = solver.solve_half_planes(given)
@@ -154,6 +158,29 @@ def test_an_edge_that_did_not_exist_has_no_range() -> None:
         assert unknown and all("the patch exists in " in one.text for one in unknown)
     known = [each for each in contacts if np.isfinite(each.stations[0].k_n[-1])]
     assert known
+
+
+@pytest.mark.parametrize("lowest", [0.1, 0.9])
+def test_a_patch_that_is_there_but_for_little_load_has_its_range(lowest: float) -> None:
+    """P and Q rise and fall together; the bar has what the patches do before they merge.
+
+    Truth is the sum of all increments of full stick at the outer edge, of two patches and of one.
+    """
+    rising = MERGING * np.geomspace(lowest, 30.0, 25)
+    load = np.concatenate([rising, rising[-2::-1], rising[1:], rising[-2::-1]])
+    nodes = 2.9 / 1.9 * NODES
+    _, contacts = solve(load.tolist(), 0.1 * load, nodes=nodes, cycle=48)
+    forces = np.linspace(lowest, 30.0, 3001) * MERGING
+    inner, outer = np.transpose([edges(force) for force in forces])
+    factors = np.sqrt(outer / 2) / (np.pi * np.sqrt(outer**2 - inner**2))
+    truth = 0.1 * np.trapezoid(factors, forces)
+    *apart, merged = contacts
+    for station in merged.stations:
+        bar = station.k_range_parts.discretisation
+        assert abs(station.k_t_range - truth) < bar < 0.1 * truth
+        assert not station.lack.text
+    kinds = {station.lack.kind for each in apart for station in each.stations}
+    assert kinds == {Lack.ABSENT}
 
 
 def test_shear_at_all_four_edges() -> None:

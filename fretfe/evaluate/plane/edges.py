@@ -133,16 +133,19 @@ class PlaneEdges(EdgeData):
             # Full stick has factors up to P = 0, with areas that are hardly known.
             return missed + float(np.nan_to_num(cycle_range(along, cycle) - swing))
         touched = np.maximum.accumulate(np.where(touching, 0, np.arange(len(along))))
-        since = along - along[touched]
+        # A patch begins anew where it appears, also where others were before.
+        since = np.where(self.contact.exists, along - along[touched], 0.0)
         located = np.isfinite(self.fits[number].position) | ~touching
-        if not np.isfinite(since[cycle]).all():
-            begin = int(self.cycle[0])
-            shear = float(self.contact.mean_traction[begin, :, 1] @ self.contact.surface.weights)
-            first = abs(shear) / (math.pi * math.sqrt(2 * self.half_width[begin]))
-            proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
-            return max(proportional, 2 * first - abs(float(along[begin] - along[states[0]])))
-        first = abs(float(since[self.cycle[0]])) if touched[self.cycle[0]] in cycle else 0.0
-        return max(cycle_range(since, cycle[located[cycle]]) - swing, 0.0) + first
+        missed, begin = 0.0, int(self.cycle[0])
+        if known := bool(np.isfinite(since[cycle]).all()):
+            first = abs(float(since[begin])) if touched[begin] in cycle else 0.0
+            missed = max(cycle_range(since, cycle[located[cycle]]) - swing, 0.0) + first
+        if known and self.contact.node_range is None:
+            return missed
+        shear = float(self.contact.mean_traction[begin, :, 1] @ self.contact.surface.weights)
+        first = abs(shear) / (math.pi * math.sqrt(2 * self.half_width[begin]))
+        proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
+        return max(missed, proportional, 2 * first - abs(float(along[begin] - along[states[0]])))
 
     @cached_property
     def _unresolved(self) -> list[list[float]]:
