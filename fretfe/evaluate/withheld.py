@@ -61,6 +61,12 @@ class Withheld:
         return self.kind in kinds
 
     @property
+    def finer(self) -> float:
+        """Factor by which elements at the edge are to be smaller; 0 where that is not the remedy."""
+        few = self.kind in (Lack.FEW_NODES, Lack.STEEP)
+        return _halves(self.wanted / max(self.found, 1)) if few else 0.0
+
+    @property
     def text(self) -> str:
         """The reason as a part of a sentence after "because"; empty without one."""
         found, wanted = self.found, self.wanted
@@ -85,7 +91,7 @@ class Withheld:
             case Lack.FEW_NODES:
                 return (
                     f"{found} nodes are in contact, {wanted} are wanted at least: make the "
-                    f"elements {_halves(wanted / max(found, 1)):g} times smaller"
+                    f"elements {self.finer:g} times smaller"
                 )
             case Lack.SURFACE_ENDS:
                 return "the surface, or the rows, end inside the contact there"
@@ -93,7 +99,7 @@ class Withheld:
                 return (
                     f"the pressure rises to its largest value within {found} "
                     f"node{'' if found == 1 else 's'} of the edge, {wanted} are wanted at least: "
-                    f"make the elements there {_halves(wanted / found):g} times smaller; if that "
+                    f"make the elements there {self.finer:g} times smaller; if that "
                     "does not help, the edge is a sharp corner, where K_N does not exist"
                 )
             case Lack.NO_ROOT:

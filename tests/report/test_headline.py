@@ -166,6 +166,16 @@ def test_nothing_known_has_its_reason() -> None:
     assert "the tractions of full stick cannot be told" in found.worst and found.trust == ""
 
 
+def test_of_several_edges_that_is_named_which_needs_the_smallest_elements() -> None:
+    def lost(each: Station) -> Station:
+        lack = Withheld(Lack.STEEP, 2 if each.front == "left" else 1, 8)
+        unknown = {"k_n": math.nan * each.k_n, "k_t_range": math.nan, "k_range": math.nan}
+        return replace(each, **unknown, lack=lack, slip_zones=())
+
+    found = headline(changed(lost))
+    assert "(main.right: " in found.worst and "make the elements there 8 times" in found.worst
+
+
 def test_a_worst_station_beside_an_end_names_it(tmp_path: Path) -> None:
     """With |ΔK| by the sub-models of that end, if it has some."""
     result = straight(mirrored=False)

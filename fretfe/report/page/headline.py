@@ -89,13 +89,15 @@ def _severity(station: Station) -> tuple[float, float]:
 def _nothing(run: Result) -> str:
     """Words in place of the worst edge where neither K_N nor a range is known."""
     reasons = [
-        f"{contact.name_of(station)}: {why}"
+        (station.lack.finer, f"{contact.name_of(station)}: {why}")
         for contact in run.contacts
         for station in contact.edges
         if (why := withheld(station))
     ]
     if reasons:
-        return f"No edge has a known K_N or range of K_T ({reasons[0]})."
+        # Of several edges the one that needs the smallest elements: those do for all.
+        _, why = max(reasons, key=lambda each: each[0])
+        return f"No edge has a known K_N or range of K_T ({why})."
     return " ".join(_without_fronts(run, each) for each in run.contacts if not each.edges)
 
 
