@@ -7,6 +7,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
+import numpy as np
+
 from fretfe._typing import Array
 from fretfe.bodies.continued import coupled_contacts, half_middles
 from fretfe.bodies.definition import (
@@ -20,6 +22,7 @@ from fretfe.bodies.expected import proposed_sizes, require_pressed
 from fretfe.bodies.loads.files import checked_history
 from fretfe.bodies.rigid_modes import held_model, modes_restrained_by_contact
 from fretfe.case import Case, case_notes, stiffness_doubts
+from fretfe.contact.march import MOST_PARTS
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, most_added
 from fretfe.mesh.cost import Cost, estimate_cost, finer_model
@@ -92,7 +95,22 @@ class Checked:
         found = estimate_cost(
             self.mesh, self.case.model.degree, nodes, steps, stations, states, size
         )
-        return replace(found, added=steps - (len(self.history.times) - 1))
+        added, unloaded = (
+            steps - (len(self.history.times) - 1),
+            unloaded_steps(self.case, self.history),
+        )
+        return replace(found, added=added, unloaded=unloaded, divided=MOST_PARTS)
+
+
+def unloaded_steps(case: Case, history: History) -> int:
+    """Number of steps with friction at whose beginning or end there is no load: they are divided.
+
+    The first one is left out: mostly it presses bodies together without shear.
+    """
+    rough = [each.friction_from for each in case.contacts.values() if each.friction != 0]
+    empty = ~history.values[1:].any(axis=1)
+    with_friction = history.times[2:] > min(rough, default=np.inf)
+    return int(np.count_nonzero((empty[1:] | empty[:-1]) & with_friction))
 
 
 def _field_states(case: Case, steps: int, written: int) -> int:

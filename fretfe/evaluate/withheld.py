@@ -62,7 +62,7 @@ class Withheld:
 
     @property
     def finer(self) -> float:
-        """Factor by which elements at the edge are to be smaller; 0 where that is not the remedy."""
+        """Factor by which elements at the edge are to be smaller; 0 without need."""
         few = self.kind in (Lack.FEW_NODES, Lack.STEEP)
         return _halves(self.wanted / max(self.found, 1)) if few else 0.0
 

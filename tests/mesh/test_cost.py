@@ -42,6 +42,15 @@ def test_cost_grows_with_tractions_and_steps() -> None:
     assert " h, " in estimate_cost(mesh(), 2, nodes=40, steps=10**7).text
 
 
+def test_steps_through_zero_load_have_a_range() -> None:
+    whole = estimate_cost(mesh(), 2, nodes=150, steps=16)
+    assert replace(whole, unloaded=1, divided=2).text == whole.text
+    parted = replace(whole, unloaded=3, divided=64)
+    assert parted.longest == pytest.approx(whole.seconds + 10 * 3 * 64 * whole.step)
+    assert parted.text.startswith(whole.text + "; up to ")
+    assert "as 3 later steps begin or end without load" in parted.text
+
+
 def test_what_is_behind_the_last_step_counts() -> None:
     """The dovetail of docs/performance.md: 1.8 s for edge factors, .7 s for fields, 7 s to draw."""
     found = estimate_cost(mesh(), 2, nodes=40, steps=100, stations=4, states=3)
