@@ -38,7 +38,7 @@ class StationValues:
         front: name of its front.
         k_n: K_N in the state that decides.
         k_t: range of K_T over the cycle; without one that of the worst counted cycle if loads are
-            irregular, else its value in the state that decides.
+            irregular, else its largest value.
         slip: lengths of the last slip zones in time order; NaN where unknown.
         rise: distance from the front in which the pressure rises to its largest value.
         friction: coefficient.

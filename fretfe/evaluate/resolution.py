@@ -71,14 +71,15 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
 def _k_t(solution: Solution, station: Station) -> float:
     """Range of K_T over the cycle; without one that of the worst counted cycle, or a value.
 
-    It is that in the state that decides: in the last one there may be next to no load.
+    It is the largest: in the last state there may be next to no load.
     """
     if solution.cycle is not None:
         return station.k_range
     cycles = station.cycles
-    return float(
-        cycles.k_t_range[cycles.worst] if cycles.irregular else station.k_along[station.decisive]
-    )
+    if cycles.irregular:
+        return float(cycles.k_t_range[cycles.worst])
+    known = station.k_along[np.isfinite(station.k_along)]
+    return float(known[np.argmax(np.abs(known))]) if len(known) else math.nan
 
 
 def _stations(

@@ -78,8 +78,8 @@ class Withheld:
             case Lack.ABSENT:
                 return (
                     f"the patch exists in {found} of the {wanted} states of the cycle, and K_T "
-                    "begins anew whenever it appears: choose a cycle in which it stays, from a "
-                    "load at which it does and back"
+                    "begins anew whenever it appears: have loads return to idle in place of zero, "
+                    "or give a [cycle] in which it stays"
                 )
             case Lack.PARTED:
                 if not found:

@@ -139,6 +139,14 @@ def test_an_open_contact_has_no_values(
     assert station_values(replace(solution, contacts=(lifted,)), contacts) == ()
 
 
+def test_without_a_cycle_k_t_has_to_converge_where_it_is_largest() -> None:
+    """What is left of it at the end is the difference of two large numbers."""
+    shear = SHEAR * np.append(np.linspace(0, 1, 9), np.linspace(1, 0, 9)[1:])
+    for values in station_values(*solved(problem(np.full(17, LOAD), shear))):
+        expected = SHEAR / (math.pi * math.sqrt(2))
+        assert abs(values.k_t) == pytest.approx(expected, rel=5e-3)
+
+
 @pytest.mark.parametrize("left", [0.0, 1e-6])
 def test_a_contact_that_ends_without_load_has_the_values_of_the_state_that_decides(
     cycled: tuple[Solution, tuple[Contact, ...]], left: float
