@@ -169,8 +169,8 @@ def test_nothing_known_has_its_reason() -> None:
 def test_of_several_edges_that_is_named_which_needs_the_smallest_elements() -> None:
     def lost(each: Station) -> Station:
         lack = Withheld(Lack.STEEP, 2 if each.front == "left" else 1, 8)
-        unknown = {"k_n": math.nan * each.k_n, "k_t_range": math.nan, "k_range": math.nan}
-        return replace(each, **unknown, lack=lack, slip_zones=())
+        unknown = replace(each, k_n=math.nan * each.k_n, k_t_range=math.nan, k_range=math.nan)
+        return replace(unknown, lack=lack, slip_zones=())
 
     found = headline(changed(lost))
     assert "(main.right: " in found.worst and "make the elements there 8 times" in found.worst
