@@ -15,7 +15,7 @@ from typing import Any
 
 PAGE = Path(__file__).parents[1] / "docs" / "verify.md"
 BACKENDS = ("halfplane", "fem")
-HEADER = f"| benchmark | quantity | {' | '.join(BACKENDS)} |"
+HEADER = f"| benchmark | {' | '.join(BACKENDS)} |"
 # What stands between the two marks is written by this script.
 _TABLE = re.compile(r"(<!-- measured differences -->\n\n).*?(\n<!-- end -->\n)", re.DOTALL)
 # Smaller differences are round-off.
@@ -56,22 +56,24 @@ def _both_edges(quantity: str) -> str:
 
 
 def table(differences: Mapping[tuple[str, str], Mapping[str, Cell]]) -> str:
-    """The table in Markdown; the name of a benchmark stands in its first line only."""
-    lines, last = [HEADER, "|---" * (2 + len(BACKENDS)) + "|"], ""
+    """The table in Markdown: of each benchmark the quantity that takes most of its tolerance."""
+    found: dict[str, dict[str, dict[str, Cell]]] = {}
     for (benchmark, quantity), line in differences.items():
-        cells = [_cell(line.get(backend)) for backend in BACKENDS]
-        name = "" if benchmark == last else benchmark
-        lines.append(f"| {name} | {quantity} | {' | '.join(cells)} |")
-        last = benchmark
+        for backend, cell in line.items():
+            found.setdefault(benchmark, {}).setdefault(backend, {})[quantity] = cell
+    lines = [HEADER, "|---" * (1 + len(BACKENDS)) + "|"]
+    for benchmark, line in found.items():
+        cells = [_largest(line.get(backend, {})) for backend in BACKENDS]
+        lines.append(f"| {benchmark} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
 
-def _cell(cell: Cell | None) -> str:
-    if cell is None:
+def _largest(cells: Mapping[str, Cell]) -> str:
+    if not cells:
         return "–"
-    difference, tolerance = cell
+    quantity, (difference, tolerance) = max(cells.items(), key=lambda each: each[1][0] / each[1][1])
     shown = f"< {SMALLEST:.0e}" if difference < SMALLEST else f"{difference:.1e}"
-    return f"{shown} ({tolerance:.1e})".replace("e-0", "e-")
+    return f"{quantity}: {shown} ({tolerance:.1e})".replace("e-0", "e-")
 
 
 def main() -> None:
