@@ -62,8 +62,8 @@ def table(differences: Mapping[tuple[str, str], Mapping[str, Cell]]) -> str:
         for backend, cell in line.items():
             found.setdefault(benchmark, {}).setdefault(backend, {})[quantity] = cell
     lines = [HEADER, "|---" * (1 + len(BACKENDS)) + "|"]
-    for benchmark, line in found.items():
-        cells = [_largest(line.get(backend, {})) for backend in BACKENDS]
+    for benchmark, own in found.items():
+        cells = [_largest(own.get(backend, {})) for backend in BACKENDS]
         lines.append(f"| {benchmark} | {' | '.join(cells)} |")
     return "\n".join(lines) + "\n"
 
