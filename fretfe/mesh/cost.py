@@ -139,7 +139,7 @@ class Cost:
     def longest(self) -> float:
         """Seconds if all steps without load at one end are divided as far as may be.
 
-        Their parts take ten times as long as steps: contacts change in each. Measured: 7 to 19.
+        Their parts take ten times as long as steps, about: contacts change in each.
         """
         return self.seconds + 10 * self.unloaded * self.divided * self.step
 

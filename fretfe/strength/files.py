@@ -4,7 +4,8 @@
 from __future__ import annotations
 
 import json
-from dataclasses import asdict
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -130,26 +131,59 @@ def _draw_fit(axes: Axes, found: StrengthMap, fit: LifeFit) -> None:
 
 
 def _draw_edges(axes: Axes, found: StrengthMap) -> None:
-    edges = [each.edge for each in found.margins if each.edge.k_t_range > 0 and each.edge.k_n > 0]
-    by_edge = len(edges) <= MOST_MARKS
-    names = list(dict.fromkeys(each.name if by_edge else each.result for each in edges))
-    for place, name in enumerate(names):
-        own = [each for each in edges if (each.name if by_edge else each.result) == name]
+    """A mark for each edge; for each front of solids at its worst station, with all in its bars."""
+    fronts: dict[str, list[Margin]] = {}
+    for each in found.margins:
+        if each.edge.k_t_range > 0 and each.edge.k_n > 0:
+            fronts.setdefault(each.edge.name, []).append(each)
+    by_edge = len(fronts) <= MOST_MARKS
+    marks: dict[str, list[_Mark]] = {}
+    for name, own in fronts.items():
+        shown = name if by_edge else own[0].edge.result
+        marks.setdefault(shown, []).append(_Mark.of(own))
+    for place, (name, those) in enumerate(marks.items()):
         axes.errorbar(
-            [each.k_n for each in own],
-            [each.k_t_range for each in own],
-            xerr=[_bar(each.k_n_spread) for each in own],
-            yerr=[_bar(each.k_t_range_spread) for each in own],
+            [each.k_n for each in those],
+            [each.k_t_range for each in those],
+            xerr=np.transpose([each.k_n_bar for each in those]),
+            yerr=np.transpose([each.k_t_bar for each in those]),
             # Edges often agree: the first one is seen around those that cover it.
             fmt=MARKERS[place % len(MARKERS)],
-            ms=6 + 5 * (len(names) - place - 1) / len(names),
+            ms=6 + 5 * (len(marks) - place - 1) / len(marks),
             mfc="none", mew=1.4, color=VERMILLION, ls="none", capsize=2, lw=1.0,
             label=name, zorder=3,
         )  # fmt: skip
 
 
-def _bar(spread: float) -> float:
-    return spread if np.isfinite(spread) else 0.0
+@dataclass(frozen=True)
+class _Mark:
+    """Place of an edge in the map, and how far its bars reach down and up."""
+
+    k_n: float
+    k_t_range: float
+    k_n_bar: tuple[float, float]
+    k_t_bar: tuple[float, float]
+
+    @classmethod
+    def of(cls, own: Sequence[Margin]) -> _Mark:
+        """That of an edge, or of the stations of a front: the worst of them and the range."""
+        known = [each for each in own if np.isfinite(each.margin)]
+        worst = min(known, key=lambda each: each.margin, default=None) or max(
+            own, key=lambda each: each.edge.k_t_range
+        )
+        edge, edges = worst.edge, [each.edge for each in own]
+
+        def bar(at: float, values: list[float], spread: float) -> tuple[float, float]:
+            if len(values) == 1:
+                return (spread, spread) if np.isfinite(spread) else (0.0, 0.0)
+            return at - min(values), max(values) - at
+
+        return cls(
+            edge.k_n,
+            edge.k_t_range,
+            bar(edge.k_n, [each.k_n for each in edges], edge.k_n_spread),
+            bar(edge.k_t_range, [each.k_t_range for each in edges], edge.k_t_range_spread),
+        )
 
 
 def _limit(axes: Axes, found: StrengthMap) -> None:

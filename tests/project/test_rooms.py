@@ -44,7 +44,7 @@ ROOM_LINES = {
     "quality": 2252,
     "report": 4473,
     "results": 1779,
-    "strength": 894,
+    "strength": 920,
     "surface": 1092,
     "sweeps": 514,
     "top": 1609,

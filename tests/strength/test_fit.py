@@ -16,6 +16,7 @@ from cases.solid_runs import solid_result, surface, write_solid
 from cases.stored_runs import solved, write_run
 from harness.launch import fretfe as command
 from matplotlib import pyplot as plt
+from matplotlib.container import ErrorbarContainer
 from scipy import stats
 
 import fretfe
@@ -476,3 +477,24 @@ def test_figure(tests: Path) -> None:
     assert axes.get_xlabel() == "K_N [MPa/√mm]" and axes.get_ylabel() == "ΔK_T [MPa·√mm]"
     low, high = axes.get_ylim()
     assert low < found.tests.k_t_range.min() and high > found.tests.k_t_range.max()
+
+
+@pytest.mark.pictures
+def test_a_front_has_one_mark_with_its_range(tests: Path) -> None:
+    found = fretfe.strength_map(tests, [solved("halfplane")], LIFE)
+    pad = found.margins[0]
+    front = [
+        replace(
+            pad,
+            edge=replace(pad.edge, edge="front 1", station=n, k_n=size * pad.edge.k_n),
+            margin=size * pad.margin,
+        )
+        for n, size in enumerate((1.2, 0.9, 1.0))
+    ]
+    axes = fretfe.plot_strength(replace(found, margins=(*front, *found.margins)))
+    drawn = [each for each in axes.containers if isinstance(each, ErrorbarContainer)]
+    (marks,) = [each for each in drawn if each.get_label() == front[0].edge.name]
+    place, _, (across, up) = marks.lines
+    assert np.array_equal(place.get_xydata(), [[0.9 * pad.edge.k_n, pad.edge.k_t_range]])
+    assert across.get_segments()[0][:, 0] == pytest.approx([0.9 * pad.edge.k_n, 1.2 * pad.edge.k_n])
+    assert np.ptp(up.get_segments()[0][:, 1]) == 0.0
