@@ -8,7 +8,7 @@ from dataclasses import astuple, fields, replace
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import sliding_exponent
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import WANTED_NODES
@@ -18,7 +18,7 @@ from fretfe.evaluate.missing_shear import (
     without_every_other,
     without_missing,
 )
-from fretfe.evaluate.plane.kink_fit import find_kink, fit_beside_kink
+from fretfe.evaluate.plane.kink_fit import find_kink, fit_beside_kink, near_kink
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, Section, plane_sections
 from fretfe.history.solution import ContactHistory
@@ -71,7 +71,15 @@ def with_kink(
     kink = find_kink(contact, pressure)
     if kink is None:
         return tuple(fits)
-    return tuple(map(_preferred, fit_beside_kink(contact.surface.arc, pressure, kink), fits))
+    arc = contact.surface.arc
+    near = near_kink(arc, pressure, kink)
+    others = [_without(fit, each) for fit, each in zip(fits, near, strict=True)]
+    return tuple(map(_preferred, fit_beside_kink(arc, pressure, kink), others))
+
+
+def _without(fit: EdgeFit, states: Bools) -> EdgeFit:
+    """A fit that knows nothing in some states."""
+    return EdgeFit(*(np.where(states, np.nan, each) for each in astuple(fit)))
 
 
 def _preferred(first: EdgeFit, second: EdgeFit) -> EdgeFit:

@@ -32,7 +32,9 @@ from fretfe.history.solution import ContactHistory
 OF_KINK = 0.02
 STRAIGHT = 0.1
 # Elements between the kink and the outermost nodes without which the fit knows nothing.
-ROOM = 2
+ROOM = 3
+# Nodes between them up to which polynomials of the pressure know nothing either.
+NEAR = 8
 # Errors of nodal forces over those of the scales: next to an edge K_N sqrt(h), alternating and
 # farther inside with one sign, and next to the kink A. From Galerkin solutions of sharp, rounded
 # and tilted wedges with 5 to 80 elements over the half-width.
@@ -313,6 +315,23 @@ def _gradients(forces: _Forces, edges: Array, coefficients: Array) -> Array:
         rows[:2, :, count + number] = change / (2 * DIFFERENCE)
         rows[2 + number, :, count + number] = forces.sizes[number]
     return rows
+
+
+def near_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[Bools, Bools]:
+    """Return (T,) whether each edge is so near to the kink that no polynomial holds beside it.
+
+    The pressure inside of the kink says nothing of the edge then.
+
+    Args:
+        arc: (N,) nodes.
+        pressure: (T, N) nodal values.
+        kink: of the initial gap.
+    """
+    patches = [main_patch(arc, state) for state in pressure]
+    first, last = np.transpose([(each.first, each.last) for each in patches])
+    beyond = kink.first - first, last - kink.last
+    left, right = ((each >= -1) & (each < NEAR) for each in beyond)
+    return left, right
 
 
 def fit_beside_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[EdgeFit, EdgeFit]:

@@ -15,7 +15,10 @@ from reference.halfplane_galerkin import hat_integrals, press
 from fretfe._typing import Array
 from fretfe.analytic.profiles import GeneralProfile, Hertz, Profile, Wedge
 from fretfe.analytic.rocking import tilted_contact
+from fretfe.evaluate.plane.edge_fits import with_kink
 from fretfe.evaluate.plane.kink_fit import Kink, find_kink, fit_beside_kink
+from fretfe.evaluate.plane.pressure_fit import fit_edge
+from fretfe.evaluate.plane.section import plane_sections
 
 # Elements over the half-width, and what bars of K_N may be in the median: bars are no excuse.
 LARGEST = {6: 0.05, 8: 0.025, 12: 0.009, 16: 0.005, 24: 0.002}
@@ -153,3 +156,18 @@ def test_kinks_at_an_edge_are_left_to_other_fits() -> None:
     assert one.kink is not None
     fits = fit_beside_kink(one.nodes, one.pressure[None], one.kink)
     assert all(np.isnan(fit.k_n).all() and np.isinf(fit.spread_k_n).all() for fit in fits)
+
+
+@pytest.mark.parametrize("elements", [8.2, 16.2, 24.3, 30.2, 60.2])
+@pytest.mark.parametrize("rounding", [0.75, 0.833, 0.917])
+def test_a_rounding_that_ends_before_an_edge_hides_no_error(
+    elements: float, rounding: float
+) -> None:
+    """The pressure over the rounding is that of a cylinder, with a root at another place."""
+    one = Pressed(elements, 0.1, rounding=rounding)
+    sections = plane_sections(one.nodes, one.pressure[None])
+    fits = [fit_edge(section, solved=True) for section in sections]
+    known = one.exact.k_n_left, one.exact.k_n_right
+    for fit, k_n in zip(with_kink(fits, one.contact, one.pressure[None]), known, strict=True):
+        assert not abs(fit.k_n - k_n) > fit.spread_k_n
+        assert np.isfinite(fit.k_n) or elements < 50
