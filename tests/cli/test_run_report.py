@@ -82,7 +82,7 @@ def test_a_run_keeps_the_report_before_until_it_has_its_own(
 
 def test_run_without_a_report_leaves_none_of_an_earlier_run(case: Path, tmp_path: Path) -> None:
     out = tmp_path / "out"
-    out.mkdir()
+    run_case(case, out, "halfplane", report=False)
     (out / "report.html").write_text("of another run")
     run_case(case, out, "halfplane", report=False)
     assert (out / "results.json").exists() and not (out / "report.html").exists()

@@ -8,6 +8,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cases.solid_runs import RADIUS, solid_result, surface
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from matplotlib.text import Annotation
 
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
@@ -39,17 +42,27 @@ def run() -> Result:
     return replace(result, contacts=(replace(area, fronts=(replace(front, stations=stations),)),))
 
 
+def lines_of(panel: Axes) -> list[Line2D]:
+    """Lines at places of the surface, which ticks are not."""
+    return [each for each in panel.lines if each.get_transform() == panel.transData]
+
+
+def texts_of(panel: Axes) -> list[str]:
+    """Texts beside places of the surface."""
+    return [each.get_text() for each in panel.texts if isinstance(each, Annotation)]
+
+
 def test_front_and_its_worst_station_on_the_map(run: Result) -> None:
     figure, caption = draw_surface(run, "main", [STATE])
     assert "station 10 of front 1 in stations.csv" in caption
     pressure, status = figure.axes[:2]
     for panel in (pressure, status):
-        line, inner, end, worst = (np.array(each.get_data()).T for each in panel.lines)
+        line, inner, end, worst = (np.array(each.get_data()).T for each in lines_of(panel))
         assert np.abs(np.linalg.norm(line, axis=1) / RADIUS - 1).max() < 0.01
         assert len(line) == 13 and len(inner) == 11 and len(end) == 1 and len(worst) == 1
         np.testing.assert_allclose(worst[0], line[10])
-        assert panel.lines[3].get_marker() == WORST["marker"]
-        assert [text.get_text() for text in panel.texts] == ["10"]
+        assert lines_of(panel)[3].get_marker() == WORST["marker"]
+        assert texts_of(panel) == ["10"]
 
 
 def test_stations_that_are_not_known_are_gaps(run: Result) -> None:
@@ -62,6 +75,6 @@ def test_stations_that_are_not_known_are_gaps(run: Result) -> None:
     fronts = (replace(front, stations=tuple(stations)),)
     moved = replace(run, contacts=(replace(area, fronts=fronts),))
     figure, _ = draw_surface(moved, "main", [STATE])
-    line, *_ = (np.array(each.get_data()).T for each in figure.axes[0].lines)
+    line, *_ = (np.array(each.get_data()).T for each in lines_of(figure.axes[0]))
     assert np.isnan(line[10]).all() and np.isfinite(line[9]).all()
-    assert not figure.axes[0].texts
+    assert not texts_of(figure.axes[0])
