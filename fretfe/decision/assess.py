@@ -448,7 +448,7 @@ def _by_others(
 
 def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...]) -> Iterator[str]:
     """Things that the margins leave out, in words."""
-    if sliding := [each.name for each in result.contacts if _slides(each)]:
+    if sliding := [each.name for each in result.contacts if each.sliding_share > 0]:
         names = ", ".join(sliding)
         yield f"the whole contact slides in the cycle, and wear is left out: {names}"
     if unsteady := [each.name for each in result.contacts if not each.steady]:
@@ -459,9 +459,3 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
         yield "the bodies are half-planes: what their shape adds to the stress is left out"
     if data.growth is None and any(each.arrest is not None for each in edges):
         yield "no life of cracks: fatigue.growth is not given"
-
-
-def _slides(contact: Contact) -> bool:
-    """True if all of it slides: at a station of solids, that part of a front does."""
-    gross = [any(zone.gross for zone in each.slip_zones) for each in contact.stations]
-    return bool(gross) and all(gross)

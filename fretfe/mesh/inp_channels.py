@@ -69,6 +69,7 @@ class Channel:
         table: of the case, but for its history.
         since: time from which on it acts.
         points: times, values, and load steps up to there.
+        led: value and amplitude over the time of all steps, which later steps follow.
     """
 
     word: str
@@ -76,6 +77,7 @@ class Channel:
     table: TomlTable
     since: float
     points: list[tuple[float, float, int]] = field(default_factory=list)
+    led: tuple[float, Amplitude] | None = None
 
     @property
     def value(self) -> float:
@@ -87,6 +89,7 @@ class Channel:
         if not self.points or self.points[-1][0] < step.begin:
             self.points.append((step.begin, self.value, 1))
         points = [(step.end, value)]
+        self.led = (value, amplitude) if amplitude is not None and amplitude.total else None
         if amplitude is not None:
             zero = 0.0 if amplitude.total else step.begin
             scale = 1.0 if amplitude.absolute else value
@@ -106,6 +109,11 @@ class Channel:
             if time > before:
                 part = (time - before) / step.increment
                 self.points.append((time, level, max(1, math.ceil(part * (1 - 1e-9)))))
+
+    def go_on(self, step: Step) -> None:
+        """Take the points of a step that does not name the load."""
+        if self.led is not None:
+            self.go(step, *self.led)
 
     def history(self) -> list[TomlTable]:
         """Its segments."""

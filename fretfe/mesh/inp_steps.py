@@ -163,6 +163,8 @@ class _Steps:
                 self._lack(first, f"step {self._count} frees {' '.join(key[1:])} (OP=NEW)")
             elif channel.word in renewed:
                 channel.go(step, 0.0, None)
+            else:
+                channel.go_on(step)
 
     def finish(self) -> Proposal:
         """Make the tables."""

@@ -232,8 +232,8 @@ def draw_in(
             for panel in every[count:]:
                 panel.remove()
         else:
-            panels = [ax] if isinstance(ax, Axes) else list(ax)
-        if len(panels) != count:
+            panels = [ax] if isinstance(ax, Axes) else list(np.ravel(np.array(ax, dtype=object)))
+        if len(panels) != count or not all(isinstance(each, Axes) for each in panels):
             raise OutputError(f"ax: expected {count} axes, one for each panel, found {len(panels)}")
         draw(panels)
         for axes in panels:

@@ -140,10 +140,21 @@ def sample(
         count: of points; of Sobol's sequence a power of 2 is best.
         method: a Latin hypercube, or Sobol's sequence, both scrambled.
         seed: another one gives other points.
+
+    Raises:
+        CaseError: without keys, points, or finite bounds that increase.
     """
     from scipy.stats import qmc
 
-    engine = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}[method](len(bounds), seed=seed)
+    engines = {"latin": qmc.LatinHypercube, "sobol": qmc.Sobol}
+    if method not in engines:
+        raise CaseError(f"method: expected {' or '.join(engines)}, found {method!r}")
+    if not bounds or count < 1:
+        raise CaseError(f"expected keys and points, found {len(bounds)} and {count}")
+    for key, pair in bounds.items():
+        if len(pair) != 2 or not -math.inf < pair[0] < pair[1] < math.inf:
+            raise CaseError(f"{key}: expected finite bounds that increase, found {pair}")
+    engine = engines[method](len(bounds), seed=seed)
     low, high = np.array(list(bounds.values()), dtype=float).T
     places = low + (high - low) * engine.random(count)
     return Points(zip(bounds, map(tuple, places.T.tolist()), strict=True))

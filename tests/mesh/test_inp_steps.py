@@ -103,6 +103,11 @@ AMPLITUDE = "*AMPLITUDE, NAME=A{}\n0., 0., 0.5, 1.\n1., -1., 1.5, 0.\n"
          (0, 0.5, 1, 1.5, 2), (0, -10, 10, 0, 0)),
         (("*AMPLITUDE, NAME=A, TIME=TOTAL TIME\n1., 0., 1.5, 1., 2., -1.\n", step(),
           step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 10.")), (0, 1, 1.5, 2), (0, 0, -10, 10)),
+        # which loads that are not named again go on to follow
+        ((AMPLITUDE.format(", TIME=TOTAL TIME"), step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 10."),
+          step()), (0, 0.5, 1, 1.5, 2), (0, -10, 10, 0, 0)),
+        ((AMPLITUDE.format(", TIME=TOTAL TIME"), step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 10."),
+          step("*DSLOAD", "HEAD, P, 4.")), (0, 0.5, 1, 2), (0, -10, 10, -4)),
         ((AMPLITUDE.format(", VALUE=ABSOLUTE"), step("*DSLOAD, AMPLITUDE=A", "HEAD, P, 10.")),
          (0, 0.5, 1), (0, 1, -1)),
         # jumps within the first increment

@@ -139,3 +139,19 @@ def test_points_that_differ_in_number() -> None:
     points = Points({FRICTION: (0.3, 0.4), "loads.shear.amplitude": (20.0,)})
     with pytest.raises(CaseError, match=r"as many values of each key, found \[2, 1\]"):
         make_variants(parse_case(pad()), points)
+
+
+@pytest.mark.parametrize(
+    ("bounds", "count", "method", "expected"),
+    [
+        ({}, 3, "latin", "expected keys and points, found 0 and 3"),
+        ({FRICTION: (0.3, 0.7)}, 0, "latin", "found 1 and 0"),
+        ({FRICTION: (0.7, 0.3)}, 3, "latin", "expected finite bounds that increase"),
+        ({FRICTION: (0.3,)}, 3, "latin", "expected finite bounds that increase"),
+        ({FRICTION: (0.3, np.inf)}, 3, "latin", "expected finite bounds that increase"),
+        ({FRICTION: (0.3, 0.7)}, 3, "foo", "method: expected latin or sobol, found 'foo'"),
+    ],
+)
+def test_points_that_cannot_be(bounds: Any, count: int, method: Any, expected: str) -> None:
+    with pytest.raises(CaseError, match=expected):
+        sample(bounds, count, method)
