@@ -140,7 +140,7 @@ def _crack_plot(found: Assessment, edge: EdgeAssessment, arrest: Arrest) -> Plot
         log_axis(axes, "y")
         axes.xaxis.set_minor_formatter(NullFormatter())
         axes.set_xlabel(f"length of the crack [{units.length}]")
-        axes.set_ylabel(f"ΔK [{unit('k_n', units, solid=False)}]")
+        axes.set_ylabel(f"ΔK [{unit('k_t', units, solid=False)}]")
         legend_above(axes, 3)
 
     ends = "a crack grows where ΔK is above the threshold, and stops where it is below"
