@@ -131,7 +131,7 @@ class Reader:
         if words[0] == "mpirun":
             ranks, words = int(words[2]), words[3:]
         assert words[0] == "fretfe", words
-        if ranks > 1:
+        if ranks > 1 or "--ranks" in words:  # which starts mpirun in place of its process
             ended = launch.python("-m", *words, ranks=ranks)
         else:
             ended = launch.fretfe(*words[1:])
