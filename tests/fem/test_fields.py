@@ -164,7 +164,7 @@ def test_a_run_draws_pictures_once(tmp_path: Path, ranks: int) -> None:
     loads = {"press": press(steps=2), "shear": shear(cycles=1, steps=8)}
     (tmp_path / "case.toml").write_text(pad_text(geometry=COARSE, loads=loads, output={}))
     out = tmp_path / "out"
-    for stale in (FIELDS, "pictures/old.png"):
+    for stale in (FIELDS, "pictures/old.png", "run.json"):
         (out / stale).parent.mkdir(parents=True, exist_ok=True)
         (out / stale).write_text("of an earlier run")
     arguments = ("run", tmp_path / "case.toml", "-o", out)

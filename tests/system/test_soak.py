@@ -18,4 +18,4 @@ def test_runs_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
     assert after.memory - before.memory < 5
     assert after.files <= before.files
     assert after.communicators >= before.communicators
-    assert after.figures == 0
+    assert after.figures <= before.figures
