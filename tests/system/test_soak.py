@@ -10,11 +10,11 @@ from harness.plots import whole_plots
 
 @pytest.mark.slow
 def test_runs_leave_nothing_behind(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Forty runs after twenty, four of them with files and one with a report more: +1.1 MB."""
-    monkeypatch.setattr(soak, "WARM", 20)
+    """Fifty runs after a hundred, five of them with files and one with a report more."""
+    monkeypatch.setattr(soak, "WARM", 100)
     monkeypatch.setattr(soak, "REPORT", 50)
     with whole_plots():
-        before, after = soak.soak(60)
+        before, after = soak.soak(150)
     assert after.memory - before.memory < 5
     assert after.files <= before.files
     assert after.communicators >= before.communicators
