@@ -11,7 +11,6 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.contact.recorder import Recorder
-from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import judged_states
 from fretfe.fem.elasticity import stress_pairs
@@ -19,7 +18,7 @@ from fretfe.fem.fields import FieldSource, common_modes
 from fretfe.fem.model import Model
 from fretfe.fem.probes import state_requests
 from fretfe.fem.stress_output import below
-from fretfe.files import disk_reason
+from fretfe.files import writing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.results.station_stress import (
     STATION_STRESSES,
@@ -171,8 +170,5 @@ def write_stations(
         for site in sites
     ]
     file = path.with_name(STATION_STRESSES)
-    try:
+    with writing(file, "the stress at stations"):
         write_station_stress(file, found)
-    except OSError as error:
-        reason = disk_reason(error)
-        raise OutputError(f"{file}: the stress at stations cannot be written: {reason}") from error

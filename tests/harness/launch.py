@@ -6,12 +6,13 @@ from __future__ import annotations
 import contextlib
 import io
 import os
-import shutil
 import signal
 import subprocess
 import sys
 from pathlib import Path
 from unittest.mock import patch
+
+from fretfe.environment import launcher
 
 # The launcher's variables of an outer mpirun must not reach the child.
 ENVIRONMENT = {
@@ -48,10 +49,9 @@ def command_line(*arguments: str | Path, ranks: int = 1) -> list[str]:
     command = [sys.executable, *safe, *map(str, arguments)]
     if ranks == 1:
         return command
-    beside = Path(sys.executable).with_name("mpirun")
-    launcher = str(beside) if beside.exists() else shutil.which("mpirun")
-    assert launcher, "mpirun is neither in the environment nor on the path"
-    return [launcher, "-n", str(ranks), *command]
+    mpirun = launcher()
+    assert mpirun, "mpirun is neither in the environment nor on the path"
+    return [mpirun, "-n", str(ranks), *command]
 
 
 def python(

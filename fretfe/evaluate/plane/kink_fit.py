@@ -21,7 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array, Bools, Positions
+from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.numerics import FARTHEST
 from fretfe.evaluate.plane.section import main_patch
@@ -317,6 +317,13 @@ def _gradients(forces: _Forces, edges: Array, coefficients: Array) -> Array:
     return rows
 
 
+def _outermost(arc: Array, pressure: Array) -> tuple[Indices, Indices]:
+    """Return (T,) the first and the last node of the main patch in each state."""
+    patches = [main_patch(arc, state) for state in pressure]
+    first, last = np.transpose([(each.first, each.last) for each in patches])
+    return first, last
+
+
 def near_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[Bools, Bools]:
     """Return (T,) whether each edge is so near to the kink that no polynomial holds beside it.
 
@@ -327,8 +334,7 @@ def near_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[Bools, Bools]:
         pressure: (T, N) nodal values.
         kink: of the initial gap.
     """
-    patches = [main_patch(arc, state) for state in pressure]
-    first, last = np.transpose([(each.first, each.last) for each in patches])
+    first, last = _outermost(arc, pressure)
     beyond = kink.first - first, last - kink.last
     left, right = ((each >= -1) & (each < NEAR) for each in beyond)
     return left, right
@@ -342,8 +348,7 @@ def fit_beside_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[EdgeFit, E
         pressure: (T, N) nodal values of piecewise-linear pressures out of a solver.
         kink: of the initial gap.
     """
-    patches = [main_patch(arc, state) for state in pressure]
-    first, last = np.transpose([(each.first, each.last) for each in patches])
+    first, last = _outermost(arc, pressure)
     room = np.minimum(kink.first - first, last - kink.last)
     own = np.flatnonzero((room >= ROOM) & (first >= kink.low) & (last <= kink.high))
     found = np.full((2, 2, len(pressure)), np.nan)
