@@ -100,8 +100,12 @@ def run(
     """
     runner = Runner.find(backend)
     result = runner.run(case, _folder(output), observer, resume=resume)
-    for each in result.warnings if runner.processes.rank == 0 else ():
-        LOG.warning("%s: %s", case.title or case.source.name, each.sentence)
+    if runner.processes.rank == 0:
+        name = case.title or case.source.name
+        for note in result.notes:
+            LOG.info("%s: %s", name, note)
+        for each in result.warnings:
+            LOG.warning("%s: %s", name, each.sentence)
     directory = result.directory
     if directory is not None:
         drawn = runner.write(lambda: draw_report(directory))

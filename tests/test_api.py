@@ -147,6 +147,7 @@ def test_logs_of_a_run(pad: Path, caplog: pytest.LogCaptureFixture) -> None:
         result = fretfe.run(fretfe.load_case(pad, {"loads.shear.amplitude": 30}), "halfplane")
     told = [each.getMessage() for each in caplog.records if each.name == "fretfe"]
     assert [each for each in told if each.startswith("step 20 of 20: ")]
+    assert result.notes and all(f"{result.case.title}: {note}" in told for note in result.notes)
     warned = [each for each in caplog.records if each.levelno == logging.WARNING]
     assert len(warned) == len(result.warnings)
 

@@ -141,7 +141,7 @@ class Fatigue(Table):
 
     Attributes:
         source: where the numbers are from.
-        units: of them.
+        units: of them; None without any.
         limit: of smooth specimens under push and pull.
         torsion: amplitude that is endured under reversed torsion.
         threshold: of long cracks.
@@ -150,12 +150,19 @@ class Fatigue(Table):
     """
 
     source: Text
-    units: FatigueUnits
+    units: FatigueUnits | None = None
     limit: Limit | None = None
     torsion: Positive | None = None
     threshold: ThresholdTable | None = None
     growth: GrowthTable | None = None
     life: LifeTable | None = None
+
+    @model_validator(mode="after")
+    def _with_units(self) -> Self:
+        data = (self.limit, self.torsion, self.threshold, self.growth, self.life)
+        if self.units is None and any(each is not None for each in data):
+            raise ValueError("expected units beside data, found none")
+        return self
 
     @model_validator(mode="after")
     def _ductile(self) -> Self:

@@ -76,7 +76,7 @@ def fatigue_data(path: Path, units: Units) -> FatigueData:
     """
     read = read_material(path)
     table = read.fatigue
-    if table is None:
+    if table is None or table.units is None:
         raise CaseError(complaint(path, ("fatigue",), "expected a table of data, found none"))
     for key, known in (("stress", STRESSES), ("length", METRES)):
         if getattr(units, key) not in known:

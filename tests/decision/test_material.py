@@ -97,7 +97,8 @@ def test_a_file_over_temperature(tmp_path: Path) -> None:
 HOSTILE: dict[str, tuple[dict[str, Any], str]] = {
     "no source": ({"source": None}, "fatigue.source"),
     "empty source": ({"source": ""}, "fatigue.source"),
-    "no units": ({"units": None}, "fatigue.units"),
+    "no units": ({"units": None}, "fatigue: expected units beside data"),
+    "no data": ({key: None for key in FATIGUE if key != "source"}, "fatigue: expected a table of"),
     "unit of stress": ({"units": {"stress": "bar", "length": "m"}}, "fatigue.units.stress"),
     "unit of length": ({"units": {"stress": "MPa", "length": "MPa"}}, "fatigue.units.length"),
     "no unit of length": ({"units": {"stress": "MPa"}}, "fatigue.units.length"),
