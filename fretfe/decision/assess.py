@@ -28,11 +28,12 @@ from fretfe.decision.assessment import (
 )
 from fretfe.decision.damage import Damage, counted_damage
 from fretfe.decision.distances import elastic_strain, judged_places, mean_stress
+from fretfe.decision.end_parts import EndPart, end_parts
 from fretfe.decision.endurance import Distance, ShearAndPressure, crossland, dang_van
 from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.front_stations import Place, along_fronts
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
-from fretfe.decision.station_field import station_fields, worst_stations
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
@@ -104,14 +105,15 @@ def _assess(
     if tests is not None and life is not None:
         found = strength_map(tests, [result], life).margins
         margins = {(each.edge.contact, each.edge.edge, each.edge.station): each for each in found}
-    edges = tuple(_edges(result, data, margins))
+    parts = tuple(end_parts(result))
+    edges = tuple(_edges(result, data, margins, parts))
     return Assessment(
         result=result_labels([result])[0],
         material=data.path,
         source=data.source,
         length=_length(data),
         edges=edges,
-        remarks=tuple(_remarks(result, data, edges)),
+        remarks=(*_remarks(result, data, edges), *map(_end_remark, parts)),
         units=result.case.units,
     )
 
@@ -122,17 +124,19 @@ def _length(data: FatigueData) -> float:
     return critical_length(data.threshold, data.limit)
 
 
-def _edges(result: Result, data: FatigueData, margins: Margins) -> Iterator[EdgeAssessment]:
+def _edges(
+    result: Result, data: FatigueData, margins: Margins, parts: Sequence[EndPart]
+) -> Iterator[EdgeAssessment]:
     for contact in result.contacts:
         pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
-        bodies = [(pair.body1, 0), (pair.body2, 1)]
+        bodies = pair.body1, pair.body2
         if result.solid:
-            yield from _fronts(result, contact, bodies, data, margins)
+            yield from _fronts(result, contact, bodies, data, margins, parts)
             continue
         for station in contact.edges:
             margin = margins.get(_name(contact, station))
             by_tests = _by_tests(margin, given=bool(margins))
-            for body, number in bodies:
+            for number, body in enumerate(bodies):
                 reason = data.disagreement(result.case.bodies[body])
                 field = reason or edge_field(result, contact, station, number)
                 yield replace(
@@ -181,77 +185,87 @@ def _name(contact: Contact, station: Station) -> tuple[str, str, int]:
 def _fronts(
     result: Result,
     contact: Contact,
-    bodies: Sequence[tuple[str, int]],
+    bodies: Sequence[str],
     data: FatigueData,
     margins: Margins,
+    parts: Sequence[EndPart],
 ) -> Iterator[EdgeAssessment]:
     """Both bodies at each front of solids."""
-    chosen = worst_stations(result, contact)
-    wanted = {(front, key) for (front, _), own in chosen.items() for key in own}
-    found = list(station_fields(result, contact, wanted))
-    for front in contact.fronts:
+    own = [each for each in parts if each.end.contact is contact]
+    for found in along_fronts(result, contact, own):
+        body, front = bodies[found.body], found.front
         tests = {
-            each.number: _by_tests(margins.get(_name(contact, each)), given=bool(margins))
+            ("", each.number): _by_tests(margins.get(_name(contact, each)), given=bool(margins))
             for each in front.stations
         }
-        for body, number in bodies:
-            reason = data.disagreement(result.case.bodies[body])
-            own = {
-                station.number: reason or fields[number]
-                for station, fields in found
-                if station.front == front.name
-            }
-            edges = {
-                key: _edge(result, (contact, front.stations[key], body), data, own[key], tests[key])
-                for key in chosen.get((front.name, number), [0])
-            }
-            lost: dict[str, tuple[int, ...]] = {}
-            for key, each in own.items():
-                if isinstance(each, str):
-                    lost[each] = (*lost.get(each, ()), key)
-            found_front = _worst_of(edges, tests, lost)
-            at = margins.get((contact.name, front.name, found_front.judgements[0].station))
-            yield replace(
-                found_front,
-                survival=None if at is None else at.survival,
-                damage=None
-                if data.life is None
-                else Damage(reason="the stress of solids is that of one cycle"),
+        reason = data.disagreement(result.case.bodies[body])
+        edges = {
+            place: _edge(
+                result,
+                (contact, station, body),
+                data,
+                reason or field,
+                tests.get(place, tests["", 0]),
             )
+            for place, (station, field) in found.judged.items()
+        }
+        worst = _worst_of(edges, tests, own)
+        at = margins.get((contact.name, front.name, worst.judgements[0].station))
+        yield replace(
+            worst,
+            lost={} if reason else _by_reason(found.lost),
+            survival=None if at is None else at.survival,
+            damage=None
+            if data.life is None
+            else Damage(reason="the stress of solids is that of one cycle"),
+        )
+
+
+def _by_reason(lost: dict[int, str]) -> dict[str, tuple[int, ...]]:
+    """Stations that are not judged, those together that share a reason."""
+    reasons = dict.fromkeys(lost.values())
+    return {text: tuple(key for key, own in lost.items() if own == text) for text in reasons}
 
 
 def _worst_of(
-    edges: dict[int, EdgeAssessment], tests: dict[int, Judgement], lost: dict[str, tuple[int, ...]]
+    edges: dict[Place, EdgeAssessment], tests: dict[Place, Judgement], parts: Sequence[EndPart]
 ) -> EdgeAssessment:
     """A front by the worst of its stations, each criterion for itself.
 
     Args:
-        edges: of stations, by their numbers.
-        tests: the answers of tests at all stations.
-        lost: as of `EdgeAssessment`.
+        edges: of stations, by their places.
+        tests: the answers of tests at all stations of the run.
+        parts: sub-models of its ends.
     """
-    key = next(iter(edges))
-    judgements = [_worst_judgement(tests)] + [
-        _worst_judgement({key: each.of(one.criterion) for key, each in edges.items()})
-        for one in edges[key].judgements[1:]
+    first = next(iter(edges.values()))
+    away = {(each.end.name, key): own for each in parts for key, own in each.distances.items()}
+    judgements = [_worst_judgement(tests, away)] + [
+        _worst_judgement({place: each.of(one.criterion) for place, each in edges.items()}, away)
+        for one in first.judgements[1:]
     ]
-    arrest = judgements[1].station
-    found = replace(edges[key], judgements=tuple(judgements), lost=lost)
-    if arrest in edges:
-        found = replace(found, arrest=edges[arrest].arrest, life=edges[arrest].life)
-    at = -1 if found.governing is None else found.governing.station
-    if at in edges:
-        found = replace(found, bar=edges[at].bar, spread=edges[at].spread)
+    found = replace(
+        first,
+        judgements=tuple(judgements),
+        depth=max((own for each in edges.values() if (own := each.depth) > 0), default=math.nan),
+        straight=min(each.straight for each in edges.values()),
+    )
+    if (arrest := edges.get(judgements[1].at_station)) is not None:
+        found = replace(found, arrest=arrest.arrest, life=arrest.life)
+    least = found.governing
+    if least is not None and (at := edges.get(least.at_station)) is not None:
+        found = replace(found, bar=at.bar, spread=at.spread)
     return found
 
 
-def _worst_judgement(each: dict[int, Judgement]) -> Judgement:
-    """The one with the smallest margin, of stations by their numbers."""
-    known = {key: one for key, one in each.items() if not one.reason}
+def _worst_judgement(each: dict[Place, Judgement], away: dict[Place, float]) -> Judgement:
+    """The one with the smallest margin; those of sub-models are so far away from their ends."""
+    known = {place: one for place, one in each.items() if not one.reason}
     if not known:
         return next(iter(each.values()))
-    key = min(known, key=lambda key: known[key].margin)
-    return replace(known[key], station=key)
+    place = min(known, key=lambda place: known[place].margin)
+    end, station = place
+    to_end = away.get(place, math.nan)
+    return replace(known[place], end=end, station=station, to_end=to_end)
 
 
 def _edge(
@@ -279,8 +293,15 @@ def _edge(
     known = None if isinstance(arrest, str) else arrest
     return EdgeAssessment(
         contact.name, station.front, name, station.friction, tuple(judgements), known, life,
-        bars.relative, field.smooth.spread,
+        bars.relative, field.smooth.spread, depth=field.reach(0.0),
+        straight=_straight(station) if contact.solid else math.inf,
     )  # fmt: skip
+
+
+def _straight(station: Station) -> float:
+    """As of `EdgeAssessment`, of one station."""
+    curved = abs(station.curvature)
+    return min(station.to_end, 1 / curved if curved > 0 else math.inf)
 
 
 @dataclass(frozen=True)
@@ -459,3 +480,13 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
         yield "the bodies are half-planes: what their shape adds to the stress is left out"
     if data.growth is None and any(each.arrest is not None for each in edges):
         yield "no life of cracks: fatigue.growth is not given"
+
+
+def _end_remark(part: EndPart) -> str:
+    """Of what the sub-model of a free end does not show."""
+    if part.reason:
+        return f"the sub-model of {part.end.name} is left out: {part.reason}"
+    return (
+        f"nearer than {min(part.distances.values()):.3g} to the free end {part.end.name} nothing "
+        "is judged, and it may be worse"
+    )

@@ -51,6 +51,8 @@ class Judgement:
         outermost: whether it is worst at the outermost place that is judged, and so may be worse
             beyond: there it is a matter of the body rather than of the edge.
         station: worst one of a front of solids; -1 in the plane.
+        end: name of the free end whose sub-model has this station; empty if the run has it.
+        to_end: its distance from that.
     """
 
     criterion: Rule
@@ -61,6 +63,13 @@ class Judgement:
     reason: str = ""
     outermost: bool = False
     station: int = -1
+    end: str = ""
+    to_end: float = math.nan
+
+    @property
+    def at_station(self) -> tuple[str, int]:
+        """The free end whose sub-model has its station, empty for the run, and its number."""
+        return self.end, self.station
 
 
 @dataclass(frozen=True)
@@ -79,6 +88,9 @@ class EdgeAssessment:
         survival: probability to reach the life of the tests; None without tests that say so.
         damage: of counted cycles; None without lives of smooth specimens.
         lost: stations of the front that are not judged, by the reason.
+        depth: to which the stress is looked at; NaN where it is unknown.
+        straight: least radius of the front, and distance from its ends, of the stations judged:
+            down to depths short against it fields are plane. Infinite in the plane.
     """
 
     contact: str
@@ -93,6 +105,8 @@ class EdgeAssessment:
     survival: Survival | None = None
     damage: Damage | None = None
     lost: dict[str, tuple[int, ...]] = field(default_factory=dict)
+    depth: float = math.nan
+    straight: float = math.inf
 
     @property
     def governing(self) -> Judgement | None:

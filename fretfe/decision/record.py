@@ -11,8 +11,19 @@ from fretfe.files import json_value
 
 SCHEMA = {"name": "fretfe-assessment", "version": 1}
 # Attributes of an edge and of a judgement, which are keys of the file.
-OF_EDGE = ("contact", "edge", "body", "friction", "life", "bar", "spread", "lost")
-OF_JUDGEMENT = ("margin", "low", "high", "place", "outermost", "reason", "station")
+OF_EDGE = (
+    "contact",
+    "edge",
+    "body",
+    "friction",
+    "life",
+    "bar",
+    "spread",
+    "lost",
+    "depth",
+    "straight",
+)
+OF_JUDGEMENT = ("margin", "low", "high", "place", "outermost", "reason", "station", "end", "to_end")
 
 
 def assessment_numbers(found: Assessment) -> dict[str, Any]:

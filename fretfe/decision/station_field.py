@@ -168,12 +168,19 @@ def _field(
     return EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth)
 
 
-def worst_stations(result: Result, contact: Contact) -> dict[tuple[str, int], list[int]]:
+def worst_stations(
+    result: Result, contact: Contact, only: Collection[tuple[str, int]]
+) -> dict[tuple[str, int], list[int]]:
     """Stations with the largest stress of each front in body 0 and 1, at most two; none if unknown.
 
     By the stress of elements, at the smallest depth at which that is used: those of the largest
     tension along the surface times its range, and of the largest von Mises stress of the deviation
     from the mean of the cycle.
+
+    Args:
+        result: of solids.
+        contact: of it.
+        only: fronts and numbers of the stations that may be chosen.
     """
     found: dict[tuple[str, int], list[int]] = {}
     pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
@@ -181,7 +188,7 @@ def worst_stations(result: Result, contact: Contact) -> dict[tuple[str, int], li
         return found
     stress = result.station_stress(contact.pair)
     for front in contact.fronts:
-        known = [each for each in front.stations if not _lack(each, stress)]
+        known = [each for each in front.stations if _key(each) in only and not _lack(each, stress)]
         for body in (0, 1) if known else ():
             values = []
             for each in known:

@@ -52,15 +52,21 @@ def _governing_table(found: Assessment) -> Table:
     for edge in found.edges:
         if (least := edge.governing) is None:
             continue
-        station = f".{least.station}" if least.station >= 0 else ""
         table.add_row(
-            escape(f"{edge.contact} {edge.edge}{station}"),
+            escape(f"{edge.contact} {edge.edge}{_station(least)}"),
             escape(edge.body),
             escape(least.criterion.value),
             _margin(least),
             _interval(least) or MISSING,
         )
     return table
+
+
+def _station(judgement: Judgement) -> str:
+    """Its number, of a sub-model the free end; empty in the plane."""
+    if judgement.end:
+        return f".{judgement.end.rpartition('.')[2]}"
+    return f".{judgement.station}" if judgement.station >= 0 else ""
 
 
 def _margin(judgement: Judgement) -> str:
@@ -94,7 +100,7 @@ def answer(found: Assessment) -> Iterator[str]:
     interval = _interval(judgement)
     sure = f" ({interval})" if interval else ""
     yield (
-        f"Worst is body {edge.body} at {_at(edge, judgement)} of {edge.contact}"
+        f"Worst is body {edge.body} at {_at(edge, judgement, found.units.length)} of {edge.contact}"
         f"{_place(judgement.place, found.units.length)}: "
         f"margin {_margin(judgement)}{sure} by {judgement.criterion.value}, so it "
         f"{_verdict(judgement)}"
@@ -111,7 +117,9 @@ def answer(found: Assessment) -> Iterator[str]:
     yield f"To be surer: {'; '.join(_wanted(found, edge))}"
 
 
-def _at(edge: EdgeAssessment, judgement: Judgement) -> str:
+def _at(edge: EdgeAssessment, judgement: Judgement, unit: str) -> str:
+    if judgement.end:
+        return f"{edge.edge}, {rounded(judgement.to_end)} {unit} from the free end {judgement.end},"
     if judgement.station < 0:
         return f"the {edge.edge} edge"
     return f"station {judgement.station} of {edge.edge}"
@@ -211,6 +219,7 @@ def details(found: Assessment) -> Iterator[str]:
             _short_elements(found, edge),
             _damage(edge, found.units.length),
             _outermost(edge, found.units.length),
+            _plane(edge, found.units.length),
             _unknown(edge),
         ):
             for text in texts:
@@ -278,6 +287,16 @@ def _outermost(edge: EdgeAssessment, unit: str) -> Iterator[str]:
         yield (
             f"{names}: worst at the outermost place judged, {rounded(abs(found[0].place))} {unit} "
             "outside of the edge, so what the body does there governs, and more beyond"
+        )
+
+
+def _plane(edge: EdgeAssessment, unit: str) -> Iterator[str]:
+    """The limit of plane fields across fronts of solids."""
+    if edge.straight < math.inf and math.isfinite(edge.depth):
+        yield (
+            f"fields are taken as plane down to {rounded(edge.depth)} {unit}, "
+            f"{percent(edge.depth / edge.straight, 0)} of the radius of the front or of the "
+            "distance from its end: that holds where this is small"
         )
 
 

@@ -92,8 +92,8 @@ def fine_at(
     edges |= {"local": False, "stations": min(edges.get("stations", 16), 16)}
     edges.pop("ends", None)
     data.get("output", {}).pop("tractions", None)
-    if times > 1:  # nobody looks at the fields of a second level
-        data.setdefault("output", {})["fields"] = "none"
+    if times > 1:  # nobody looks at the fields and the stress of a second level
+        data["output"] = {"fields": "none"}
     if size[0]:
         _set(data, size[0], size[1] * times)
     solid, radius = data["geometry"]["solid"], data["geometry"]["part"]["radius"]
@@ -163,8 +163,7 @@ class PartTables:
         if cycle is not None:
             first, last = (float(times[state]) for state in cycle)
             data["cycle"] = {"start": first, "end": last}
-        if not data.get("output", {}).pop("fields", None) or not data["output"]:
-            data.pop("output", None)
+        data.get("output", {}).pop("fields", None)
         return data
 
     def _say(self, what: str, before: Any, after: Any) -> None:

@@ -130,14 +130,14 @@ def write_submodel(
     tables["geometry"]["part"] = {"centre": list(centre), "radius": float(wanted)}
     tables["contacts"] = {pair: tables["contacts"][pair]}
     tables = {key: value for key, value in tables.items() if key not in ("supports", "loads")}
-    if end is not None:
-        tables = fine_at(end, tables, known_size, 2.0)
-    part = _part(result, tables, distance, trust_geo=trust_geo)
+    levels = {CASE: 1.0, COARSER: 2.0}
+    bare = tables if end is None else fine_at(end, tables, known_size, levels[COARSER])
+    part = _part(result, bare, distance, trust_geo=trust_geo)
     builder = PartTables(result.case, part, pair, tables)
     data = builder.tables(folder, output, result.loads.cycle, result.loads.times)
     cases = {CASE: data}
     if end is not None:
-        cases = {CASE: fine_at(end, data, known_size, 1.0), COARSER: data}
+        cases = {name: fine_at(end, data, known_size, times) for name, times in levels.items()}
     made = tuple(
         parse_case(each, output / name, trust_geo=trust_geo) for name, each in cases.items()
     )

@@ -137,7 +137,8 @@ class EndAnswer:
         point: (3,) its place.
         distance: (n,) of the stations of the finer sub-model from the end, increasing.
         k_range, k_range_spread: (n,) |ΔK| there, with its error bar, as far as it means something.
-        coarser: (n,) by the coarser sub-model.
+        k_n, k_n_spread: (n,) K_N there; NaN where there is none.
+        coarser: (n,) |ΔK| by the coarser sub-model.
         exponent, exponent_spread: m of the power distance^-m by which it grows, as of `EndNumber`.
         length: over which numbers next to the end are taken.
         numbers: of the nodes over that length.
@@ -149,6 +150,8 @@ class EndAnswer:
     distance: Array
     k_range: Array
     k_range_spread: Array
+    k_n: Array
+    k_n_spread: Array
     coarser: Array
     exponent: float
     exponent_spread: float
@@ -256,6 +259,8 @@ def end_answer(
         distance=found.distance[near],
         k_range=found.k_range[near],
         k_range_spread=found.k_range_spread[near],
+        k_n=found.k_n[near],
+        k_n_spread=found.k_n_spread[near],
         coarser=coarser.at(found.distance[near])[0],
         exponent=exponent,
         exponent_spread=exponent_spread,

@@ -242,7 +242,7 @@ def test_the_numbers_are_json(tmp_path: Path) -> None:
     # Infinite: null, and no reason.
     assert edge["criteria"]["arrest of cracks"] == {
         "margin": None, "low": None, "high": None, "place": None, "reason": "",
-        "outermost": False, "station": -1, "range": [None, None],
+        "outermost": False, "station": -1, "end": "", "to_end": None, "range": [None, None],
     }  # fmt: skip
     assert numbers["worst"]["criterion"] in edge["criteria"]
 

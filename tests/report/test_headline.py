@@ -185,7 +185,9 @@ def test_a_worst_station_beside_an_end_names_it(tmp_path: Path) -> None:
     end = find_end(result, "main.1.start")
     assert end is not None
     near, none = np.array([0.2, 0.4]), ()
-    found = EndAnswer(end.name, end.point, near, 30 - near, near, near, 0.1, 0.01, 0.3, none, none)
+    found = EndAnswer(
+        end.name, end.point, near, 30 - near, near, near, near, near, 0.1, 0.01, 0.3, none, none
+    )
     folder = tmp_path / ENDS / end.name
     folder.mkdir(parents=True)
     write_answer(result, found, folder)
@@ -235,9 +237,7 @@ def test_sub_models_that_agree_are_trusted_where_the_run_is_not(
     assert end is not None
     met = Meeting("main.1.1", 0.375, worst.k_range, worst.k_range_spread, part, 0.1, 50.0, 1.0)
     none = np.empty(0)
-    found = EndAnswer(
-        end.name, end.point, none, none, none, none, 0.1, 0.01, 0.3, (), meetings=(met,)
-    )
+    found = EndAnswer(end.name, end.point, *6 * (none,), 0.1, 0.01, 0.3, (), meetings=(met,))
     (tmp_path / ENDS / end.name).mkdir(parents=True)
     write_answer(result, found, tmp_path / ENDS / end.name)
     first, doubts = headline(result), ("K_N is known to 20% only", "|ΔK| is known to 30% only")

@@ -72,7 +72,8 @@ def test_the_part_is_fine_towards_its_end(whole: Result, tmp_path: Path) -> None
     for end in ends:
         np.testing.assert_allclose(end.point[1:], 0.0, atol=0.01)
         np.testing.assert_allclose(end.into, [0.0, 0.0, 1.0], atol=0.05)
-    found = write_submodel(whole, ends[0].name, tmp_path)
+    deep = replace(whole, case=changed(whole.case, {"output.stress_depths": [0.2, 0.3]}))
+    found = write_submodel(deep, ends[0].name, tmp_path)
     fine, coarse = found.cases
     part, solid, twice = fine.geometry.part, fine.geometry.solid, coarse.geometry.solid
     assert part is not None and solid is not None and twice is not None
@@ -85,6 +86,9 @@ def test_the_part_is_fine_towards_its_end(whole: Result, tmp_path: Path) -> None
         assert each.layers == math.ceil(12 * LENGTH / (times * part.radius))
         # Elements across a contact of .57 are longer than a twelfth of it.
         assert each.end_size == pytest.approx(min(times * ends[0].station.size, equal), rel=5e-3)
+    # For `assess`; nobody judges the second level.
+    assert (fine.output.stress_depths, coarse.output.stress_depths) == ((0.2, 0.3), ())
+    assert coarse.output.fields == "none"
     # What is left of the free faces bears nothing, and is held by nothing.
     mesh = made_mesh(fine)
     assert {"upper_back", "lower_back"} <= {

@@ -1,0 +1,104 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Stations at which the bodies of solids are judged: of the run, and of sub-models at free ends."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+from fretfe.decision.end_parts import EndPart
+from fretfe.decision.field import EdgeField
+from fretfe.decision.station_field import BothFields, station_fields, worst_stations
+from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.results.model import Result
+
+# Name of the free end whose sub-model has a station, empty for the run; its number.
+Place = tuple[str, int]
+
+
+@dataclass(frozen=True)
+class FrontStations:
+    """Stations of a front at which one body is judged.
+
+    Attributes:
+        front: of the run.
+        body: 0 or 1.
+        judged: those with the largest stress, with that or why it is not known.
+        lost: numbers of the stations of the run that are not judged, with the reason.
+    """
+
+    front: Front
+    body: int
+    judged: dict[Place, tuple[Station, EdgeField | str]]
+    lost: dict[int, str]
+
+
+def along_fronts(
+    result: Result, contact: Contact, parts: Sequence[EndPart]
+) -> Iterator[FrontStations]:
+    """Both bodies along each front of a contact.
+
+    Args:
+        result: of solids.
+        contact: of it.
+        parts: sub-models of its free ends.
+    """
+    at_ends = [(each, _at_end(each)) for each in parts if each.stations]
+    replaced = {(each.end.front.name, key) for each, _ in at_ends for key in each.replaced}
+    own = {(each.front, each.number) for each in contact.stations} - replaced
+    run = _Worst.of(result, contact, own)
+    for front in contact.fronts:
+        for body in (0, 1):
+            found = run.along(front, body)
+            for part, worst in at_ends:
+                if part.end.front is front:
+                    found = _with_end(found, part, worst.along(part.own.front, body))
+            yield found
+
+
+@dataclass(frozen=True)
+class _Worst:
+    """The worst of some stations of a contact, as of `worst_stations`, and the stress at these."""
+
+    only: Collection[tuple[str, int]]
+    chosen: dict[tuple[str, int], list[int]]
+    fields: dict[tuple[str, int], BothFields]
+
+    @classmethod
+    def of(cls, result: Result, contact: Contact, only: Collection[tuple[str, int]]) -> _Worst:
+        """Those of some stations, by the names of their fronts and their numbers."""
+        chosen = worst_stations(result, contact, only)
+        wanted = {(front, key) for (front, _), own in chosen.items() for key in own}
+        found = station_fields(result, contact, wanted)
+        return cls(only, chosen, {(each.front, each.number): fields for each, fields in found})
+
+    def along(self, front: Front, body: int) -> FrontStations:
+        """Those of one front and body; the first station where nothing is known."""
+        own = {
+            each.number: (each, self.fields[front.name, each.number][body])
+            for each in front.stations
+            if (front.name, each.number) in self.fields
+        }
+        lost = {key: field for key, (_, field) in own.items() if isinstance(field, str)}
+        first = [key for key in lost if (front.name, key) in self.only][:1]
+        chosen = self.chosen.get((front.name, body), first)
+        return FrontStations(front, body, {("", key): own[key] for key in chosen}, lost)
+
+
+def _at_end(part: EndPart) -> _Worst:
+    return _Worst.of(
+        part.result, part.own.contact, {(part.own.front.name, key) for key in part.stations}
+    )
+
+
+def _with_end(run: FrontStations, part: EndPart, found: FrontStations) -> FrontStations:
+    """Those of a run and of a sub-model, which stands for the stations of the run around it."""
+    judged = {
+        (part.end.name, key): (part.stations[key], field)
+        for (_, key), (_, field) in found.judged.items()
+    }
+    lost = {key: reason for key, reason in run.lost.items() if key not in part.replaced}
+    for _, field in judged.values():
+        if isinstance(field, str):
+            lost |= dict.fromkeys(part.replaced, f"by the sub-model of {part.end.name}: {field}")
+    return FrontStations(run.front, run.body, run.judged | judged, lost)
