@@ -251,11 +251,12 @@ def uneven_share(
 ) -> Array:
     """(stations,) error bar by what the steps of a cycle may be wrong by in |K| as an edge moves.
 
-    Within a step the factors for a unit of a load change as the edge moves, and not evenly. The
-    mean of both ends exceeds their harmonic mean by du^2/(2 (u1 + u2)); for loads on a line and any
-    movement of the edge of a cylinder or a wedge the truth is below by no more than twice that
+    Within a step what the loads add to K per part of it changes as the edge moves, and not evenly.
+    The mean of both ends exceeds their harmonic mean by du^2/(2 (u1 + u2)); for loads on a line and
+    any movement of the edge of a cylinder or a wedge the truth is below by no more than twice that
     (P up to 40 times as large at one end of the step: 1.5 and 1.9 times). Flats with rounded ends
-    need more (P three times as large at one end: 2.3 times du^2/(2 (u1 + u2))).
+    need more (P three times as large at one end: 2.3 times du^2/(2 (u1 + u2))). All drivers count
+    together: the shapes that move the cuts of a part nearly cancel one another.
 
     Args:
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
@@ -267,12 +268,9 @@ def uneven_share(
         return np.zeros(units.shape[1])
     states = slice(cycle[0], cycle[1] + 1)
     factors, steps = units[states, :, Factor.K_T :], np.diff(drivers[states], axis=0)
-    shear, change = (
-        np.linalg.norm(factors, axis=2),
-        np.linalg.norm(np.diff(factors, axis=0), axis=2),
-    )
-    size = shear[1:] + shear[:-1]
-    uneven = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
     steps[~friction[states][1:]] = 0.0
-    errors = np.einsum("tsj,tj->ts", np.nan_to_num(uneven), np.abs(steps))
+    begin, end = (np.einsum("tsdj,tj->tsd", each, steps) for each in (factors[:-1], factors[1:]))
+    size = np.linalg.norm(begin, axis=2) + np.linalg.norm(end, axis=2)
+    change = np.linalg.norm(end - begin, axis=2)
+    errors = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
     return np.asarray(1.5 * errors.sum(axis=0))

@@ -6,7 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.evaluate.increments import add_up, one_sided_share, within_known
+from fretfe.evaluate.increments import add_up, one_sided_share, uneven_share, within_known
 from fretfe.evaluate.numerics import count_up
 from fretfe.history.solution import Factor
 
@@ -98,3 +98,19 @@ def test_states_within_a_step_take_the_factors_of_its_known_end() -> None:
     # Half of three parts that touch, two that open, and the step behind: K_T = 4, 6 and 2 each.
     share = one_sided_share(each, found, np.arange(8.0)[:, None], (0, 7))
     assert share == pytest.approx([(3 * 4 + 2 * 6 + 2) / 2] * 2)
+
+
+def test_bars_of_steps_hold_what_edges_that_move_change() -> None:
+    """Q grows by 1 while P makes a cylinder's half-width a twice as large; K_T for Q = 1 is a^-.5.
+
+    Two shapes that move both sides of a part alike change nothing.
+    """
+    found = np.zeros((2, 1, 3, 3))
+    found[:, 0, Factor.K_T] = [[1.0, 1e3, -1e3], [2**-0.5, 2e3, -2e3]]
+    drivers = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
+    acts = np.ones(2, dtype=bool)
+    (bar,) = uneven_share(found, drivers, acts, (0, 1))
+    exact = (4**0.75 - 1) / 0.75 / 3
+    off = (1 + 2**-0.5) / 2 - exact
+    assert 0.9 * off < bar < 4 * off
+    np.testing.assert_allclose(uneven_share(found[..., :1], drivers[:, :1], acts, (0, 1)), bar)
