@@ -392,15 +392,35 @@ class Case(Table):
         problems = cross_problems(
             self.bodies, self.contacts, self.supports, self.loads, self.symmetry, self.ties
         )
-        if self.edges.ends and not self.geometry.solid:
-            text = "expected geometry.solid with it, of which the parts around ends are made"
-            problems.append(Problem(("edges", "ends"), text))
+        problems += [Problem(("edges", "ends"), text) for text in self._without_parts()]
         if self.start is not None and self.edges.tolerance is not None:
             text = "expected no edges.tolerance with it: the mesh is that of the other run"
             problems.append(Problem(("start",), text))
         if problems:
             raise Contradiction(problems)
         return self
+
+    def _without_parts(self) -> Iterator[str]:
+        """Reasons why no parts around ends of fronts can be made, though they are asked for."""
+        if not self.edges.ends:
+            return
+        solid = self.geometry.solid
+        if solid is None:
+            yield (
+                "expected geometry.solid with it, as parts around ends are made of layers: extrude "
+                "plane bodies, or leave it out"
+            )
+        elif solid.skew and self.symmetry:
+            yield (
+                "expected no sector (symmetry) of bodies that lean (geometry.solid.skew), which "
+                "are bent between contacts and sides, as a part is not: leave it out, or run a "
+                "block that supports hold"
+            )
+        if self.edges.tolerance is not None:
+            yield (
+                "expected no edges.tolerance with it, as parts need elements of a given size: "
+                "leave it out, and use fretfe submodel --run --size after the run"
+            )
 
     @property
     def cut_loads(self) -> dict[str, FieldLoad]:

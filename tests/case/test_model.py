@@ -685,6 +685,14 @@ def test_ends_take_layers() -> None:
     assert parse_case(whole).edges.ends
     with pytest.raises(CaseError, match=r"edges\.ends: expected geometry\.solid with it"):
         parse_case(whole | {"geometry": {"file": "b1.msh"}})
+    sides = {"type": "cyclic", "boundary1": "one", "boundary2": "other", "sectors": 12}
+    leaning = {"geometry": geometry | {"solid": {"length": 2.0, "layers": 4, "skew": 5.0}}}
+    sector = whole | {"symmetry": {"disc": sides | {"centre": [0.0, -9.0]}}}
+    assert parse_case(sector).edges.ends
+    with pytest.raises(CaseError, match=r"edges\.ends: expected no sector .* leave it out"):
+        parse_case(sector | leaning)
+    with pytest.raises(CaseError, match=r"edges\.ends: expected no edges\.tolerance"):
+        parse_case(whole | {"edges": {"ends": True, "tolerance": 0.1}})
 
 
 def test_no_cycles_are_added_in_the_plane() -> None:
