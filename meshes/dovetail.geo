@@ -36,7 +36,7 @@
 // flanks, at y = 0, is as far from it.
 //
 // Element size: edge_size along the four contact edges (from edge_zone before to edge_zone behind
-// the points where flat and rounding meet), flank_size on the rest of the candidate contact surfaces,
+// places on the roundings, upper_front and lower_front from the flat), flank_size on the rest of the candidate contact surfaces,
 // and from there growing by `growth` per distance. The left half of the mesh mirrors the right half.
 //
 // Groups: blade, disc; blade_top, disc_bottom, disc_side_left, disc_side_right,
@@ -62,11 +62,13 @@ DefineConstant[
   disc_width     = {60,   Min 5,     Max 500, Name "Parameters/17 Width of the disc block [mm]"},
   disc_depth     = {45,   Min 5,     Max 500, Name "Parameters/18 Height of the disc block or sector [mm]"},
   edge_size      = {0.008,Min 1e-4,  Max 1,   Name "Parameters/19 Element size at the contact edges [mm]"},
-  edge_zone      = {0.2,  Min 1e-3,  Max 5,   Name "Parameters/20 Length of the fine mesh on either side of the end of the flat [mm]"},
+  edge_zone      = {0.2,  Min 1e-3,  Max 5,   Name "Parameters/20 Length of the fine mesh on either side of its middle [mm]"},
   flank_size     = {0.15, Min 1e-3,  Max 2,   Name "Parameters/21 Element size along the flank [mm]"},
   growth         = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/22 Growth of the element size per distance from the contact [-]"},
   sectors        = {0,    Min 0,     Max 1000,Name "Parameters/23 Number of sectors of the disc, 0 for a block [-]", Step 1},
-  pitch_radius   = {250,  Min 10,    Max 5000,Name "Parameters/24 Radius from the axis of the disc to the middle of the flanks [mm]"}
+  pitch_radius   = {250,  Min 10,    Max 5000,Name "Parameters/24 Radius from the axis of the disc to the middle of the flanks [mm]"},
+  upper_front    = {0,    Min 0,     Max 20,  Name "Parameters/25 Distance of the middle of the fine mesh from the upper end of the flat, on the rounding [mm]"},
+  lower_front    = {0,    Min 0,     Max 20,  Name "Parameters/26 Distance of the middle of the fine mesh from the lower end of the flat, on the rounding [mm]"}
 ];
 
 // Angles, and the directions of the right flank: (tx, ty) down along it, (nx, ny) out of the blade.
@@ -128,9 +130,10 @@ least = Max(upper_radius, lower_radius) * Sin(touch) + flank_size;
 If (overhang < least)
   Error("overhang: expected at least %.6g (the flat of the disc must cover the candidate contact on the larger rounding), found %g", least, overhang); wrong = 1;
 EndIf
-most = Min(0.9 * Min(upper_radius, lower_radius) * touch, 0.45 * flank_length);
+most = Min(0.9 * touch * upper_radius - upper_front, 0.9 * touch * lower_radius - lower_front);
+most = Min(most, 0.45 * flank_length);
 If (edge_zone > most)
-  Error("edge_zone: expected at most %.6g (nine tenths of the candidate contact on the smaller rounding, 45 percent of the flat), found %g", most, edge_zone); wrong = 1;
+  Error("edge_zone: expected at most %.6g (nine tenths of the candidate contact on each rounding, less upper_front or lower_front; 45 percent of the flat), found %g", most, edge_zone); wrong = 1;
 EndIf
 least = flank_length * nx + lower_radius * ny + root_corner + flank_size;
 If (root_height < least)
@@ -212,6 +215,29 @@ disc_centre = newp; Point(disc_centre) = {0, -pitch_radius, 0};
 blade_axis = newc; Line(blade_axis) = {axis_root, axis_blade_top};
 disc_axis = newc; Line(disc_axis) = {axis_slot, axis_disc};
 
+// The fine mesh ends so far inward of the ends of the flat; where that is on the rounding, the end of
+// the flat comes first on the way down (upper) or last (lower).
+// Next to the end of the flat it ends an element beyond.
+upper_inner = edge_zone - upper_front; lower_inner = edge_zone - lower_front;
+If (Fabs(upper_inner) < edge_size)
+  upper_inner = edge_size;
+EndIf
+If (Fabs(lower_inner) < edge_size)
+  lower_inner = edge_size;
+EndIf
+upper_end = 7; upper_fine = 8; lower_fine = 9; lower_end = 10;
+fine[] = {5, 9};
+If (upper_inner > 0)
+  fine[] += {6};
+Else
+  upper_end = 8; upper_fine = 7;
+EndIf
+If (lower_inner > 0)
+  fine[] += {8};
+Else
+  lower_end = 9; lower_fine = 10;
+EndIf
+
 // Both halves of the blade; side is 1 (right) or -1 (left). Curves run from the top to the bottom.
 For side In {1 : -1 : -2}
   p = newp;
@@ -222,14 +248,18 @@ For side In {1 : -1 : -2}
   Point(p + 4)  = {side * upper_cx, upper_cy, 0};
   angle = flank - touch;
   Point(p + 5)  = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
-  angle = flank - edge_zone / upper_radius;
+  angle = flank - (upper_front + edge_zone) / upper_radius;
   Point(p + 6)  = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
-  Point(p + 7)  = {side * upper_x, upper_y, 0};
-  Point(p + 8)  = {side * (upper_x + edge_zone * tx), upper_y + edge_zone * ty, 0};
-  Point(p + 9)  = {side * (lower_x - edge_zone * tx), lower_y - edge_zone * ty, 0};
-  Point(p + 10) = {side * lower_x, lower_y, 0};
+  Point(upper_end + p) = {side * upper_x, upper_y, 0};
+  angle = flank + Min(upper_inner, 0) / upper_radius;
+  Point(upper_fine + p) = {side * (upper_cx + upper_radius * Sin(angle) + Max(upper_inner, 0) * tx),
+                           upper_cy + upper_radius * Cos(angle) + Max(upper_inner, 0) * ty, 0};
+  angle = flank - Min(lower_inner, 0) / lower_radius;
+  Point(lower_fine + p) = {side * (lower_cx + lower_radius * Sin(angle) - Max(lower_inner, 0) * tx),
+                           lower_cy + lower_radius * Cos(angle) - Max(lower_inner, 0) * ty, 0};
+  Point(lower_end + p) = {side * lower_x, lower_y, 0};
   Point(p + 11) = {side * lower_cx, lower_cy, 0};
-  angle = flank + edge_zone / lower_radius;
+  angle = flank + (lower_front + edge_zone) / lower_radius;
   Point(p + 12) = {side * (lower_cx + lower_radius * Sin(angle)), lower_cy + lower_radius * Cos(angle), 0};
   angle = flank + touch;
   Point(p + 13) = {side * (lower_cx + lower_radius * Sin(angle)), lower_cy + lower_radius * Cos(angle), 0};
@@ -244,9 +274,17 @@ For side In {1 : -1 : -2}
   Circle(c + 3)  = {p + 3, p + 4, p + 5};
   Circle(c + 4)  = {p + 5, p + 4, p + 6};    // contact: upper rounding
   Circle(c + 5)  = {p + 6, p + 4, p + 7};    //   fine
-  Line(c + 6)    = {p + 7, p + 8};           //   fine
+  If (upper_inner > 0)
+    Line(c + 6)  = {p + 7, p + 8};           //   fine
+  Else
+    Circle(c + 6) = {p + 7, p + 4, p + 8};
+  EndIf
   Line(c + 7)    = {p + 8, p + 9};           //   flat
-  Line(c + 8)    = {p + 9, p + 10};          //   fine
+  If (lower_inner > 0)
+    Line(c + 8)  = {p + 9, p + 10};          //   fine
+  Else
+    Circle(c + 8) = {p + 9, p + 11, p + 10};
+  EndIf
   Circle(c + 9)  = {p + 10, p + 11, p + 12}; //   fine
   Circle(c + 10) = {p + 12, p + 11, p + 13}; // contact: lower rounding
   Circle(c + 11) = {p + 13, p + 11, p + 14};
@@ -271,10 +309,12 @@ For side In {1 : -1 : -2}
   Point(p + 5)  = {side * slot_x, slot_y, 0};
   reach = lower_radius * Sin(touch);
   Point(p + 6)  = {side * (lower_x + reach * tx), lower_y + reach * ty, 0};
-  Point(p + 7)  = {side * (lower_x + edge_zone * tx), lower_y + edge_zone * ty, 0};
-  Point(p + 8)  = {side * (lower_x - edge_zone * tx), lower_y - edge_zone * ty, 0};
-  Point(p + 9)  = {side * (upper_x + edge_zone * tx), upper_y + edge_zone * ty, 0};
-  Point(p + 10) = {side * (upper_x - edge_zone * tx), upper_y - edge_zone * ty, 0};
+  reach = lower_front + edge_zone;
+  Point(p + 7)  = {side * (lower_x + reach * tx), lower_y + reach * ty, 0};
+  Point(p + 8)  = {side * (lower_x - lower_inner * tx), lower_y - lower_inner * ty, 0};
+  Point(p + 9)  = {side * (upper_x + upper_inner * tx), upper_y + upper_inner * ty, 0};
+  reach = upper_front + edge_zone;
+  Point(p + 10) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
   reach = upper_radius * Sin(touch);
   Point(p + 11) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
   Point(p + 12) = {side * mouth_x, mouth_y, 0};
@@ -333,7 +373,7 @@ Physical Curve("disc_bottom") = {disc_right[15], disc_left[15]};
 // Element size: the distance is that from the nearer surface, so that both bodies are graded alike.
 // Elements are not larger than the arcs beside them and the walls around them.
 Field[1] = Distance;
-Field[1].CurvesList = {blade_right[{5, 6, 8, 9}], blade_left[{5, 6, 8, 9}],
+Field[1].CurvesList = {blade_right[{fine[]}], blade_left[{fine[]}],
                        disc_right[{6, 8}], disc_left[{6, 8}]};
 Field[1].Sampling = 100;
 Field[2] = Distance;

@@ -21,6 +21,7 @@ from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.space.pressure_fit import COARSE
 from fretfe.evaluate.verdicts import no_range, withheld
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
@@ -38,6 +39,10 @@ FEWEST_NODES = 80
 # fine mesh. Elements of that mesh are longer than the finest ones by up to the second factor.
 BESIDE = 2.5
 FINE = 1.5
+# Error bar of K_N of solids over it from which on smaller elements are asked for, if at least so
+# much of the bar is theirs: that falls with their square.
+LARGEST_COARSE = 0.2
+COARSE_SHARE = 0.3
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
 # Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
@@ -121,6 +126,24 @@ def solid_warnings(
         if 2 * len(beside) > len(told):
             text = beside[len(beside) // 2]
             yield from about(name, front.name, [(Kind.BESIDE_FINE_MESH, text)])
+        coarse = [text for each in front.judged if (text := _too_coarse(each))]
+        if 2 * len(coarse) > len(told):
+            text = coarse[len(coarse) // 2]
+            yield from about(name, front.name, [(Kind.K_N_UNCERTAIN, text)])
+
+
+def _too_coarse(station: Station) -> str:
+    """Elements across a front of solids that would tell its K_N, in words; empty if these do."""
+    k_n, spread = station.decisive_k_n
+    bar = spread / k_n if k_n > 0 else math.nan
+    by_elements = COARSE * (station.size / float(np.fmin(station.length, station.depth))) ** 2
+    if not LARGEST_COARSE < bar < by_elements / COARSE_SHARE:
+        return ""
+    wanted = LARGEST_COARSE / 2
+    return (
+        f"K_N is known to {bar:.0%} only with elements of {station.size:.2g} across the front: "
+        f"{station.size * math.sqrt(wanted / bar):.2g} would make that {wanted:.0%}"
+    )
 
 
 def _solid_contact(

@@ -72,7 +72,7 @@ def on_sphere(random: np.random.Generator) -> dict[str, float]:
 def dovetail() -> Data:
     """The demo, with flanks of larger and fewer elements."""
     data = tomllib.loads(DOVETAIL.read_text(encoding="utf-8"))
-    data["geometry"]["parameters"]["edge_size"] = 0.1
+    data["geometry"]["parameters"] |= {"edge_size": 0.1, "edge_zone": 0.2}
     data["geometry"]["solid"] = {"length": 12.0, "skew": 10.0, "layers": 4}
     middle = [0.0, 20.0, data["geometry"]["solid"]["length"] / 2]
     data["loads"] = loads("blade_top", middle, pull="y", side="x", axial="z")

@@ -201,6 +201,18 @@ def test_both_sides_are_fine_at_the_contact_edges() -> None:
     np.testing.assert_allclose(sizes, [0.02, 0.0214], rtol=0.1)
 
 
+@pytest.mark.parametrize(("upper", "lower"), [(0.25, 0.05), (0.07, 0.3)])
+def test_the_fine_mesh_follows_fronts(upper: float, lower: float) -> None:
+    """Fronts on the roundings, so far from the flat of half the length 3, with 0.06 around them."""
+    parts = {"edge_size": 0.02, "edge_zone": 0.06, "upper_front": upper, "lower_front": lower}
+    for name, body in dovetail(**parts).bodies.items():
+        facets = body.boundaries[f"{name}_flank_right"]
+        s = along_and_above(body.points[facets[:, :2]].mean(axis=1), 1)[:, 0]
+        sizes = facet_measures(body.points, facets)
+        away = np.minimum(np.abs(s + 3 + upper), np.abs(s - 3 - lower))
+        assert sizes[away < 0.04].max() < 0.026 and sizes[away > 0.12].min() > 0.026
+
+
 def test_order_two_is_curved(coarse_dovetail: Mesh) -> None:
     blade = coarse_dovetail.bodies["blade"]
     facets = blade.boundaries["blade_flank_right"]

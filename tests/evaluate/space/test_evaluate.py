@@ -528,6 +528,19 @@ def test_a_front_beside_the_fine_mesh_is_told(inner: float) -> None:
         assert "elements are 0.11 long there, and 0.029 from 0.18 further in" in told[0]
 
 
+@pytest.mark.parametrize("rise", [0.05, 0.3])
+def test_elements_that_a_front_needs_are_told(rise: float) -> None:
+    """Elements of .071; behind the front p = sqrt(s) (1 - s/(4 rise) + ...)."""
+    field = lambda x, z: np.sqrt(1 - np.exp(-np.clip(1 - np.abs(x), 0, None) / rise)) + 0 * z  # noqa: E731
+    solution, contact = solved(*grid(warp=0.0), [field] * 2)
+    tracks = {contact.name: follow_fronts(solution, contact, STATIONS)}
+    (area,) = evaluate(solution, tracks=tracks)
+    told = [each for each in area.warnings if each.kind is Kind.K_N_UNCERTAIN]
+    assert len(told) == (2 if rise == 0.05 else 0)
+    for each in told:
+        assert "to 40% only with elements of 0.071 across the front: 0.036 would" in each.text
+
+
 @pytest.mark.parametrize(("angle", "share"), [(0.0, 0.9), (90.0, 0.0)])
 def test_shear_across_after_a_slide(angle: float, share: float) -> None:
     """.9 f p along x everywhere, and an axis at an angle to it."""
