@@ -37,7 +37,14 @@ from fretfe.results.model import Result
 from fretfe.results.reader import restored
 from fretfe.results.writer import ANSWER, ENDS
 
-SCHEMA = {"name": "fretfe-end", "version": 1}
+SCHEMA = {"name": "fretfe-end", "version": 2}
+# Distances from an end to which powers are fitted, over the length next to it.
+FITTED = 4
+# Power of the length of elements by which a stress on an end grows at least.
+GROWING = 0.05
+# Exponent of a stress whose own is not known: at the end of a quarter-plane on a half-plane of the
+# same material it is .46 where they stick, .23 without shear, and by friction of .6 none or .48.
+MOST_SINGULAR = 0.5
 
 
 @dataclass(frozen=True)
@@ -84,7 +91,8 @@ class EndNumber:
         name: in `Rows`.
         largest: of all rows there.
         mean: over the length.
-        exponent: m of the power distance^-m by which it grows towards the end.
+        exponent: m of the power distance^-m by which it grows towards the end; NaN if not known.
+        grows: whether it grows like a power, so that the largest value is one of the elements.
     """
 
     name: str
@@ -94,11 +102,7 @@ class EndNumber:
     mean_spread: float
     exponent: float
     exponent_spread: float
-
-    @property
-    def grows(self) -> bool:
-        """True if it grows like a power, so that the largest value is one of the elements."""
-        return self.exponent > self.exponent_spread
+    grows: bool
 
 
 @dataclass(frozen=True)
@@ -418,7 +422,9 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     """A number next to an end, by two levels, one of which is twice as fine.
 
     Means of a power distance^-m err like h^(1 - m): 1/(2^(1 - m) - 1) of the difference. What lies
-    between rows counts too: a third of what every second row changes.
+    between rows counts too: a third of what every second row changes. Where one body ends before
+    the other a stress grows like that of the corner of a quarter-plane on a half-plane, whose m
+    few rows do not tell.
 
     Args:
         name: of it in `Rows`.
@@ -431,9 +437,11 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     exponent, exponent_spread = _power(
         *((each.distance, getattr(each, name)) for each in (fine, coarse)), length=length
     )
+    grows = exponent > exponent_spread
     if math.isnan(exponent) and NUMBERS[name].kind == "stress":
-        exponent, exponent_spread = _power_at_end(name, fine, coarse)
-    order = 1 - min(exponent, 0.9) if exponent > exponent_spread else 1.0
+        grows = _grows_on_end(name, fine, coarse)
+    power = MOST_SINGULAR if math.isnan(exponent) else min(exponent, 0.9)
+    order = 1 - power if grows else 1.0
     return EndNumber(
         name=name,
         largest=largest[0],
@@ -444,43 +452,46 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
         ),
         exponent=exponent,
         exponent_spread=exponent_spread,
+        grows=grows,
     )
 
 
 def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
     """Exponent m of the power distance^-m, by least squares, and its error bar.
 
-    The bar is twice the error of the fit to the finer level with the difference of the two.
+    It is that over the distances that are fitted, and may be another one still nearer to the end.
+    The bar is twice the error of the fit to the finer level with the differences from the fits to
+    the coarser one and, of six places and more, to the nearer ones.
 
     Args:
         levels: distances and values of the finer and of the coarser level.
-        length: four times that is fitted. The row on the end has no distance, and is left out.
+        length: `FITTED` times that is fitted. The row on the end has no distance, and is left out.
     """
     found = []
     for distance, values in levels:
-        used = (distance > 0) & (distance <= 4 * length) & (values > 0)
+        used = (distance > 0) & (distance <= FITTED * length) & (values > 0)
         if np.count_nonzero(used) < 4:
             return math.nan, math.nan
         x, y = np.log(distance[used]), np.log(values[used])
         line, covariance = np.polyfit(x, y, 1, cov="unscaled")
         rest = y - np.polyval(line, x)
         variance = covariance[0, 0] * float(rest @ rest) / (len(x) - 2)
-        found.append((-float(line[0]), 2 * math.sqrt(variance)))
+        nearer = max(np.count_nonzero(2 * x <= x[0] + x[-1]), 3)
+        bend = np.polyfit(x[:nearer], y[:nearer], 1)[0] - line[0] if len(x) > 5 else 0.0
+        found.append((-float(line[0]), math.hypot(2 * math.sqrt(variance), bend)))
     (exponent, error), (other, _) = found
     return exponent, math.hypot(error, exponent - other)
 
 
-def _power_at_end(name: str, fine: Rows, coarse: Rows) -> tuple[float, float]:
-    """Exponent of a stress by its values on the end itself, for few rows, and its error bar.
+def _grows_on_end(name: str, fine: Rows, coarse: Rows) -> bool:
+    """Whether a stress on the end itself grows as elements become shorter along the front.
 
-    Those of elements of the length h are like h^-m. So m is known to a half of it, and to .05.
-    Slip and work next to the end of few rows follow no such power.
+    Slip and work next to the end of few rows are no such powers.
     """
     (one, *_), (other, *_) = getattr(fine, name), getattr(coarse, name)
     if not min(one, other) > 0:
-        return math.nan, math.nan
-    exponent = math.log(one / other) / math.log(coarse.distance[1] / fine.distance[1])
-    return exponent, max(0.5 * abs(exponent), 0.05)
+        return False
+    return math.log(one / other) > GROWING * math.log(coarse.distance[1] / fine.distance[1])
 
 
 def _meetings(end: FrontEnd, part: Level) -> Iterator[Meeting]:

@@ -3,11 +3,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fretfe.mesh.mesh import place_text
-from fretfe.quality.ends import NUMBERS, EndAnswer, read_answers
+from fretfe.quality.ends import FITTED, NUMBERS, EndAnswer, read_answers
 from fretfe.report.texts import MISSING, plain_table, with_error
 from fretfe.results.model import Result
 
@@ -27,7 +28,7 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
     if known:
         grows = ""
         if answer.exponent > answer.exponent_spread:
-            power = _power(answer.exponent, answer.exponent_spread)
+            power = _power(run, answer, answer.exponent, answer.exponent_spread)
             grows = f", and grows towards it {power}"
         yield f"{place} |ΔK| is {known} {length} from it [{run.unit('k_t')}]{grows}."
     else:
@@ -59,11 +60,14 @@ def end_table(run: Result, answer: EndAnswer) -> Table:
             run.unit(declared.kind),
             MISSING if each.grows else with_error(each.largest, each.largest_spread),
             with_error(each.mean, each.mean_spread),
-            _power(each.exponent, each.exponent_spread) if each.grows else "",
+            _power(run, answer, each.exponent, each.exponent_spread) if each.grows else "",
         )
     return table
 
 
-def _power(exponent: float, spread: float) -> str:
+def _power(run: Result, answer: EndAnswer, exponent: float, spread: float) -> str:
     """Growth towards an end, in words."""
-    return f"like distance^-m, m = {with_error(exponent, spread)}"
+    if math.isnan(exponent):
+        return "like an unknown power of distance"
+    within = f"within {FITTED * answer.length:.2g} {run.unit('length')}"
+    return f"like distance^-m {within}, m = {with_error(exponent, spread)}"
