@@ -62,7 +62,9 @@ __all__ = [
     "plot_comparison",
     "plot_factors",
     "plot_loads",
+    "plot_scatter",
     "plot_strength",
+    "plot_tornado",
     "plot_tractions",
     "run",
     "sample",
@@ -219,28 +221,30 @@ def _folder(output: Path | str | None) -> Path | None:
 def plot_tractions(result: Result, ax: Axes | Iterable[Axes] | None = None) -> tuple[Axes, ...]:
     """Draw pressure and shear along every contact at the two load extremes.
 
+    Of solids along a line across it: inward from the station with the largest |ΔK|, or without one
+    through the largest pressure.
+
     Args:
-        result: of plane bodies.
+        result: of plane bodies or of solids.
         ax: axes to draw in, one for each contact; None makes a new figure of pyplot.
 
     Returns:
         The axes.
 
     Raises:
-        OutputError: if the bodies are solids, this is not process 0, or axes are missing.
+        OutputError: if this is not process 0, or axes are missing.
     """
-    if result.solid:
-        raise OutputError(
-            "expected plane bodies, found solids: the pictures of a run with an output folder show "
-            "the pressure and the shear of their contacts"
-        )
+    from fretfe.report.figures.across import draw_across
     from fretfe.report.figures.tractions import draw_tractions
     from fretfe.report.theme import SINGLE, draw_in
 
     contacts, solution = result.contacts, result.solution
 
     def draw(panels: list[Axes]) -> None:
-        draw_tractions(panels, result.case, solution, contacts)
+        if result.solid:
+            draw_across(panels, result)
+        else:
+            draw_tractions(panels, result.case, solution, contacts)
 
     return draw_in(ax, len(contacts), min(2, len(contacts)), SINGLE, draw)
 
@@ -335,3 +339,55 @@ def plot_loads(result: Result, ax: Axes | Iterable[Axes] | None = None) -> tuple
         draw_loads(panels, result.case, result.loads)
 
     return draw_in(ax, count, 1, LOAD * (1 + 0.4 / count), draw, sharex=True)
+
+
+def plot_scatter(
+    sweep: Sweep, quantity: str, ax: Axes | Iterable[Axes] | None = None
+) -> tuple[Axes, ...]:
+    """Draw a number of all edges, with its error bars, over each key of a sweep.
+
+    Args:
+        sweep: with cases that were solved.
+        quantity: name of a column of its records.
+        ax: axes to draw in, one for each key; None makes a new figure of pyplot.
+
+    Returns:
+        The axes.
+
+    Raises:
+        OutputError: if there is no such number, or axes are missing.
+    """
+    from fretfe.report.theme import SINGLE, draw_in
+    from fretfe.sweeps.figures import draw_scatter, solved_records
+
+    records, label = solved_records(sweep.records(), quantity, sweep.units)
+    count = len(sweep.keys)
+
+    def draw(panels: list[Axes]) -> None:
+        draw_scatter(panels, sweep.keys, records, quantity, label)
+
+    return draw_in(ax, count, min(2, count), SINGLE, draw)
+
+
+def plot_tornado(sweep: Sweep, quantity: str, ax: Axes | None = None) -> Axes:
+    """Draw how much each key of a sweep changes the largest value of all edges.
+
+    A linear function of the keys is fitted to the cases; a bar is its change over the range of one
+    key. The title has the part of the variance that it explains.
+
+    Args:
+        sweep: with numbers as values, and more cases than keys; `sample` gives good ones.
+        quantity: name of a column of its records.
+        ax: to draw in; None makes a new figure of pyplot.
+
+    Raises:
+        OutputError: if there is no such number, a value is none, or cases do not tell keys apart.
+    """
+    from fretfe.report.theme import SINGLE, draw_in
+    from fretfe.sweeps.figures import draw_tornado, linear_effects, solved_records
+
+    records, label = solved_records(sweep.records(), quantity, sweep.units)
+    effects, explained = linear_effects(sweep.keys, records, quantity)
+    return draw_in(
+        ax, 1, 1, SINGLE, lambda panels: draw_tornado(panels[0], effects, explained, label)
+    )[0]

@@ -53,7 +53,7 @@ RUN_EXAMPLES = examples(
 MESHES = "fem"
 # Variants of a sweep that a warning names.
 MOST_NAMED = 3
-NO_PICTURE = "it takes one or two keys that vary, and a case that was solved"
+NO_PICTURE = "it takes a case of plane bodies that was solved"
 
 SWEEP_EXAMPLES = examples(
     "fretfe sweep pad.toml -o mu --vary contacts.main.friction=0.3:0.8:11",

@@ -181,8 +181,6 @@ def test_a_history_of_a_front_that_is_not_there(result: Result) -> None:
 
 
 def test_plots_of_solids(result: Result) -> None:
-    with pytest.raises(OutputError, match="expected plane bodies, found solids"):
-        fretfe.plot_tractions(result)
     with pytest.raises(OutputError, match="expected a station with a known range"):
         fretfe.plot_factors(result)
 

@@ -25,7 +25,8 @@ from fretfe.case import Case, changed, parse_case
 from fretfe.errors import ConvergenceError
 from fretfe.results.model import Result
 from fretfe.sweeps import Sweep, make_variants, run_sweep
-from fretfe.sweeps.table import sweep_table, write_files, write_sweep
+from fretfe.sweeps.figures import write_sweep
+from fretfe.sweeps.table import sweep_table, write_files
 
 FRICTION, AMPLITUDE = "contacts.main.friction", "loads.shear.amplitude"
 RADIUS = "geometry.parameters.upper_radius"
@@ -214,7 +215,7 @@ def ramp(force: float) -> dict[str, Any]:
         ({"shape": ("a", "b")}, True),
         ({"friction": (0.05, 0.4, 0.5), "amplitude": (20, 60)}, True),
         ({"friction": (0.4, 0.5), "shape": ("a", "b")}, True),
-        ({"friction": (0.4,), "amplitude": (20,), "radius": (50, 60)}, False),
+        ({"friction": (0.4,), "amplitude": (20,), "radius": (50, 60)}, True),
         ({"friction": (0.01, 0.02)}, False),
     ],
     ids=["line", "one value", "text", "map with holes", "map with text", "three keys", "failed"],

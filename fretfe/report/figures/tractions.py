@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from fretfe._typing import Array, Bools
-from fretfe.case import Case
+from fretfe.case import Case, Units
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
 from fretfe.evaluate.resultants import load_extremes, shear_line
 from fretfe.evaluate.slip import SMALLEST_SLIP
@@ -56,6 +56,8 @@ INTRO = (
     "edge where it varies most (Q if no edge has it), in the evaluated cycle or, if there is none, "
     "in the whole history."
 )
+# Of the load extremes, in the order of time.
+EXTREMES = (BLUE, VERMILLION)
 # Points between a panel and its title for each row of the legend, which stands there.
 TITLE_PAD = 50.0 / 3
 LOCAL_INTRO = (
@@ -131,34 +133,57 @@ def draw_tractions(
     """Draw p, f p and q along every contact at the two load extremes, one panel per contact."""
     for panel, history, summary in zip(panels, solution.contacts, contacts, strict=True):
         _draw_contact(panel, case, solution, history, summary)
-        title = f"{summary.name}: {history.body1} on {history.body2}"
-        lines = len(panel.get_legend_handles_labels()[1]) // 2
-        panel.set_title(title, loc="left", pad=TITLE_PAD * lines)
+        name_contact(panel, f"{summary.name}: {history.body1} on {history.body2}")
 
 
 def _draw_contact(
     panel: Axes, case: Case, solution: Solution, history: ContactHistory, summary: Contact
 ) -> None:
     """Draw p, f p and q along a contact at the two load extremes."""
-    stress, length = case.units.stress, case.units.length
-    states = load_extremes([summary], solution.cycle)
-    for state, colour in zip(states, (BLUE, VERMILLION), strict=False):
-        time = f"t = {solution.times[state]:g} {case.units.time}"
+    for state, colour in zip(load_extremes([summary], solution.cycle), EXTREMES, strict=False):
         shown = _around_contact(history, state)
-        x = history.surface.arc[shown]
-        pressure, shear, *along_z = history.mean_traction[state, shown].T
+        pressure, *shears = history.mean_traction[state, shown].T
         bound = history.friction.at(state, shown) * pressure
-        panel.plot(x, pressure, color=colour, lw=1.6, ls=(0, (4, 1.5)), label=f"p, {time}")
-        panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)
-        panel.plot(x, bound, color=colour, lw=1.0, ls=":", label=f"±f p, {time}")
-        panel.plot(x, -bound, color=colour, lw=1.0, ls=":")
-        panel.plot(x, shear, color=colour, lw=1.6, label=f"q, {time}")
-        for values in along_z:
-            panel.plot(x, values, color=colour, lw=1.2, ls="-.", label=f"q_z, {time}")
+        time = f"t = {solution.times[state]:g} {case.units.time}"
+        draw_lines(panel, history.surface.arc[shown], (pressure, bound, *shears), time, colour)
+    finish_lines(panel, f"x along the contact [{case.units.length}]", case.units)
+
+
+def draw_lines(
+    panel: Axes, x: Array, values: Sequence[Array], time: str, colour: str, across: str = "q_z"
+) -> None:
+    """Draw p, ±f p and q of a state.
+
+    Args:
+        panel: to draw in.
+        x: (n,) places.
+        values: p, f p, q along x, and across it if there is such a shear; (n,) each.
+        time: of the state, for the legend.
+        colour: of the state.
+        across: name of the shear across x.
+    """
+    pressure, bound, shear, *others = values
+    panel.plot(x, pressure, color=colour, lw=1.6, ls=(0, (4, 1.5)), label=f"p, {time}")
+    panel.fill_between(x, -bound, bound, color=colour, alpha=0.12, lw=0)
+    panel.plot(x, bound, color=colour, lw=1.0, ls=":", label=f"±f p, {time}")
+    panel.plot(x, -bound, color=colour, lw=1.0, ls=":")
+    panel.plot(x, shear, color=colour, lw=1.6, label=f"q, {time}")
+    for each in others:
+        panel.plot(x, each, color=colour, lw=1.2, ls="-.", label=f"{across}, {time}")
+
+
+def finish_lines(panel: Axes, across: str, units: Units) -> None:
+    """Names of the axes, and the legend above them."""
     panel.axhline(0, color=GREY, lw=0.6)
-    panel.set_xlabel(f"x along the contact [{length}]")
-    panel.set_ylabel(f"p, q [{stress}]")
+    panel.set_xlabel(across)
+    panel.set_ylabel(f"p, q [{units.stress}]")
     legend_above(panel, columns=2)
+
+
+def name_contact(panel: Axes, title: str) -> None:
+    """Write a title above the legend."""
+    lines = len(panel.get_legend_handles_labels()[1]) // 2
+    panel.set_title(title, loc="left", pad=TITLE_PAD * lines)
 
 
 def _around_contact(history: ContactHistory, state: int) -> Bools:

@@ -120,13 +120,21 @@ def _name(
     panel: Axes, contact: ContactHistory, plane: Unrolled, station: Station, place: Array
 ) -> None:
     """Write the number of a station next to it, inside the contact."""
-    ahead = station.point + 1e-3 * station.depth * station.frame.inward
-    inward = np.diff(plane.at(contact, np.array([station.point, ahead])), axis=0)[0]
-    x, y = (float(each) for each in ASIDE * inward / np.linalg.norm(inward))
+    inward = inward_in_plane(contact, plane, station)[1]
+    x, y = (float(each) for each in ASIDE * inward)
     panel.annotate(
         str(station.number), (float(place[0]), float(place[1])), (x, y), textcoords="offset points",
         ha="center", va="center", path_effects=HALO, zorder=4, fontweight="bold",
     )  # fmt: skip
+
+
+def inward_in_plane(
+    contact: ContactHistory, plane: Unrolled, station: Station
+) -> tuple[Array, Array]:
+    """(2,) place of a station, and unit vector that leads from it into the contact."""
+    ahead = station.point + 1e-3 * station.depth * station.frame.inward
+    place, end = plane.at(contact, np.array([station.point, ahead]))
+    return place, (end - place) / np.linalg.norm(end - place)
 
 
 def fronts_reading(fronts: Sequence[Front], states: Sequence[int]) -> str:
