@@ -68,3 +68,31 @@ def combine_blocks(
     trial: npt.NDArray[np.float64],
     out: npt.NDArray[np.float32] | npt.NDArray[np.float64],
 ) -> None: ...
+def use_routines(single: list[int], double: list[int]) -> None: ...
+def use_threads(count: int) -> None: ...
+def factorise(
+    matrix: npt.NDArray[np.float32] | npt.NDArray[np.float64], pivots: npt.NDArray[np.int32]
+) -> int: ...
+def invert_triangle(matrix: npt.NDArray[np.float64]) -> int: ...
+def multiply_symmetric(
+    matrix: npt.NDArray[np.float64],
+    vector: npt.NDArray[np.float64],
+    out: npt.NDArray[np.float64],
+) -> None: ...
+def multiply(
+    matrix: npt.NDArray[np.float64],
+    vectors: npt.NDArray[np.float64],
+    out: npt.NDArray[np.float64],
+) -> None: ...
+def multiply_triangle(
+    matrix: npt.NDArray[np.float64],
+    transpose: bool,
+    vectors: npt.NDArray[np.float64],
+    out: npt.NDArray[np.float64],
+) -> None: ...
+def gather(
+    matrix: npt.NDArray[np.float64],
+    rows: npt.NDArray[np.int64],
+    columns: npt.NDArray[np.int64],
+    out: npt.NDArray[np.float64],
+) -> None: ...

@@ -16,6 +16,10 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 
+namespace fretfe {
+void bind_dense(nb::module_ &m);
+}
+
 namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
@@ -136,36 +140,11 @@ auto fit_moments(Tables tables, double first, double step, Table shares, Table m
   });
 }
 
-template <class Number>
-void combine_blocks(Table matrix, Numbers row_nodes, Table tested, Numbers column_nodes,
-                    Table trial, nb::ndarray<Number, nb::ndim<2>, nb::device::cpu> out) {
-  const std::size_t width = matrix.shape(1), count = row_nodes.shape(0),
-                    size = column_nodes.shape(0);
-  if (tested.shape(1) != 3 || trial.shape(1) != 3 || tested.shape(0) != count ||
-      trial.shape(0) != size || out.shape(0) != count || out.shape(1) != size)
-    throw nb::value_error("the arrays do not fit one another");
-  nb::gil_scoped_release release;
-  std::vector<double> row(width);
-  for (std::size_t i = 0; i < count; ++i) {
-    std::fill(row.begin(), row.end(), 0.0);
-    for (std::size_t a = 0; a < 3; ++a) {
-      const double weight = tested.data()[3 * i + a];
-      const double *values = matrix.data() + (3 * row_nodes.data()[i] + a) * width;
-      if (weight != 0.0)
-        for (std::size_t k = 0; k < width; ++k)
-          row[k] += weight * values[k];
-    }
-    for (std::size_t j = 0; j < size; ++j) {
-      const double *values = row.data() + 3 * column_nodes.data()[j], *by = trial.data() + 3 * j;
-      out(i, j) = static_cast<Number>(values[0] * by[0] + values[1] * by[1] + values[2] * by[2]);
-    }
-  }
-}
-
 } // namespace
 
 NB_MODULE(_kernels, m) {
   m.doc() = "Compiled kernels of fretfe.";
+  fretfe::bind_dense(m);
   m.def("overlap_points", &overlap_points, "nodes"_a, "normals"_a, "other"_a, "starts"_a,
         "candidates"_a, "points"_a, "weights"_a, "max_gap"_a,
         "Integration points on the overlap segments of two facet chains: facet, other facet, "
@@ -179,13 +158,6 @@ NB_MODULE(_kernels, m) {
         "sides"_a, "size"_a,
         "Element vectors (n, size) by a compiled UFCx kernel at an address, of n elements with "
         "their coefficients (n, w), nodes (n, k, 3) and local numbers of a facet (n,).");
-  const char *combines = "Write to `out` (r, c) for nodes of rows and columns t . B . s with the "
-                         "3 x 3 blocks B of a matrix (3 N, 3 N), and vectors t of rows (r, 3) and "
-                         "s of columns (c, 3).";
-  m.def("combine_blocks", &combine_blocks<float>, "matrix"_a, "row_nodes"_a, "tested"_a,
-        "column_nodes"_a, "trial"_a, nb::arg("out").noconvert(), combines);
-  m.def("combine_blocks", &combine_blocks<double>, "matrix"_a, "row_nodes"_a, "tested"_a,
-        "column_nodes"_a, "trial"_a, nb::arg("out").noconvert(), combines);
   m.def("fit_moments", &fit_moments, "tables"_a, "first"_a, "step"_a, "shares"_a, "moments"_a,
         "sigma"_a, "bends"_a, "terms"_a, "farthest"_a, "corrections"_a,
         "Series behind fronts by least squares to moments (m, bumps): place, first factor, second "

@@ -11,15 +11,14 @@ from typing import Any, Literal, NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import blas
 
+from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices
+from fretfe.contact import dense
 from fretfe.surface.contact_surface import ContactSurface
 
 # Relative size below which a motion is resisted by nothing but round-off.
 UNRESISTED = 1e-9
-# Rows of a compliance that are gathered at a time.
-ROWS = 32
 
 
 # Nodes (n,), and a vector (n, 3) at each of them.
@@ -77,26 +76,16 @@ class DenseCompliance:
 
     def apply(self, traction: Array) -> Array:
         """(N*d,) displacements by tractions (N*d,)."""
-        # Symmetric: half of the matrix is read, which takes half of the time.
-        product: Array = blas.dsymv(1.0, self._matrix.T, traction)
-        return product
+        return dense.multiply_symmetric(self._matrix, traction)
 
     def block(self, rows: Indices, columns: Indices) -> Array:
         """(rows, columns) displacements of some components by unit tractions at others; a copy."""
-        found = np.empty((len(rows), len(columns)))
-        # A few whole rows at a time, which stay in the processor's cache: a third of the time.
-        for begin in range(0, len(rows), ROWS):
-            part = slice(begin, begin + ROWS)
-            self._matrix[rows[part]].take(columns, axis=1, out=found[part], mode="clip")
-        return found
+        return dense.gather(self._matrix, rows, columns)
 
     def combine(
         self, rows: Directions, columns: Directions, found: NDArray[np.floating[Any]]
     ) -> None:
         """Write to (r, c) the displacements of nodes in directions by tractions in others."""
-        # Imported where it is needed: closed forms do without the extension.
-        from fretfe._core import _kernels
-
         _kernels.combine_blocks(self._matrix, *rows, *columns, found)
 
 

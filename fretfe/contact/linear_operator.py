@@ -23,6 +23,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.contact import dense
 from fretfe.contact.interface import Interface, coordinate_scale
 from fretfe.contact.nested_inverse import (
     READING,
@@ -158,7 +159,7 @@ class RegularisedFactor:
             displacement: (N*d,) w − w0 of bodies and layer together.
             forces: (k,) forces on the k coordinates that are not prescribed, −(R + H a).
         """
-        held = self._inverse.solve(len(displacement), displacement)
+        held = self._inverse.solve(len(displacement), displacement[:, None])[:, 0]
         moved = self._flexibility @ (self._motion.T @ held - forces * self._scale)
         return np.asarray(held - self._response @ moved)
 
@@ -320,7 +321,7 @@ class SlidingContact:
         self._level, self._scale = interface.compliance.level, coordinate_scale(interface)
         self._base: Conditions | None = None
         self._held: Indices
-        self._factors: tuple[Array, Indices]
+        self._factors: tuple[Array, NDArray[np.int32]]
         self._columns: dict[tuple[int, float], Array]  # of the border so far
 
     def memory(self) -> dict[str, NDArray[Any]]:
@@ -372,7 +373,7 @@ class SlidingContact:
         known = split + np.flatnonzero(conditions.known)
         matrix[known] = 0.0
         matrix[known, known] = 1.0
-        factors, pivots, info = linalg.lapack.dgetrf(matrix, overwrite_a=1)
+        factors, pivots, info = dense.factorise(matrix)
         if info:
             raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")
         self._base, self._factors = conditions, (factors, pivots)
@@ -779,7 +780,8 @@ class StuckSolution:
         else:
             # Factors of another one would leave too much: gaps are large against what slips.
             changes = SimilarSystems().solve(released.all, MatrixSystem(matrix), target)
-        solved = self._traction + units.T @ changes[:count] - vectors.T @ changes[count:]
+        solved = self._traction + dense.multiply(units.T, changes[:count])
+        solved -= vectors.T @ changes[count:]
         return self._response(solved, released, changes, residual)
 
     def _response(
@@ -791,10 +793,12 @@ class StuckSolution:
         traction[order.components[:size]] = solved / order.level
         relative[order.components[released.all]] = changes[:count]
         beyond, coordinates = order.components[size:], changes[count:]
-        relative[beyond] = self._free[beyond] + order.inverse.beyond(size).T @ solved
+        relative[beyond] = self._free[beyond]
+        relative[beyond] += dense.multiply(order.inverse.beyond(size).T, solved)
         relative[beyond] += order.motion[size:] @ coordinates
         tractions, motion = order.effect
-        relative[order.others] = self._free[order.others] + tractions[:, :size] @ solved
+        relative[order.others] = self._free[order.others]
+        relative[order.others] += dense.multiply(tractions[:, :size], solved)
         relative[order.others] += motion @ coordinates
         shape = (order.interface.size, order.interface.components, -1)
         return Response(

@@ -11,11 +11,13 @@ from typing import Any, Protocol
 import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
-from scipy.linalg import lapack
 from scipy.sparse.linalg import LinearOperator, gmres
 
 from fretfe._typing import Array, Indices
+from fretfe.contact import dense
 
+# Room for rows that is made at a time, over those that are needed.
+SPARE = 1.5
 # Rows of M that are taken at a time: they stay in the processor's cache from one use to the next.
 ROWS = 64
 # Systems of fewer unknowns are factorised as fast as iterations start.
@@ -47,12 +49,8 @@ class NestedInverse:
     """
 
     def __init__(self, matrix: Array) -> None:
-        # The triangle that LAPACK leaves alone keeps A: one array holds M below and A above.
-        matrix, info = lapack.dpotrf(matrix, lower=0, clean=0, overwrite_a=1)
-        if info:
-            raise np.linalg.LinAlgError(f"row {info} of the matrix is not positive definite")
-        self._rows = lapack.dtrtri(matrix, lower=0, overwrite_c=1)[0].T
-        self._corners: dict[tuple[int, int], Array] = {}
+        # The triangle that is left alone keeps A: one array holds M below and A above.
+        self._rows = dense.invert_triangle(matrix).T
 
     @property
     def size(self) -> int:
@@ -61,13 +59,9 @@ class NestedInverse:
 
     def solve(self, size: int, rhs: Array) -> Array:
         """(n, J) inverse of the leading block of n rows, times (n, J)."""
-        solution = np.zeros_like(rhs)
-        for begin, end in _parts(0, size):
-            before, corner = self._part(begin, end)
-            projection = before @ rhs[:begin] + corner @ rhs[begin:end]
-            solution[:begin] += before.T @ projection
-            solution[begin:end] += corner.T @ projection
-        return solution
+        inverse = self._rows[:size, :size].T
+        projection = dense.multiply_triangle(inverse, rhs, transpose=True)
+        return dense.multiply_triangle(inverse, projection)
 
     def beyond(self, size: int) -> Array:
         """(n, N - n) of A: the rows of the leading block, the columns beyond it; a view."""
@@ -75,11 +69,7 @@ class NestedInverse:
 
     def projections(self, vectors: Array) -> Array:
         """(J, N) rows: M times (N, J) vectors."""
-        result = np.empty(vectors.T.shape)
-        for begin, end in _parts(0, self.size):
-            before, corner = self._part(begin, end)
-            result[:, begin:end] = (before @ vectors[:begin] + corner @ vectors[begin:end]).T
-        return result
+        return dense.multiply_triangle(self._rows.T, vectors, transpose=True).T
 
     def accumulate(
         self, sums: Array, projections: Array, components: Indices, begin: int, end: int
@@ -95,20 +85,12 @@ class NestedInverse:
         """
         sign = 1.0 if begin < end else -1.0
         for first, last in _parts(min(begin, end), max(begin, end)):
-            before, corner = self._part(first, last)
             units = self._rows[first:last, components].T
             units[np.arange(first, last) < components[:, None]] = 0.0
             weights = sign * np.vstack([projections[:, first:last], units])
-            sums[:, :first] += weights @ before
-            sums[:, first:last] += weights @ corner
-
-    def _part(self, begin: int, end: int) -> tuple[Array, Array]:
-        """Some rows of M: before the diagonal block, and that block."""
-        rows = self._rows[begin:end]
-        corner = self._corners.get((begin, end))
-        if corner is None:
-            corner = self._corners[begin, end] = np.tril(rows[:, begin:end])
-        return rows[:, :begin], corner
+            rows = self._rows[first:last]
+            sums[:, :first] += dense.multiply(rows[:, :first].T, weights.T).T
+            sums[:, first:last] += weights @ np.tril(rows[:, first:last])
 
 
 class InverseRows:
@@ -126,7 +108,7 @@ class InverseRows:
         self._place = np.full(inverse.size, -1)
         self._projections = inverse.projections(vectors)
         self._units = np.zeros(0, dtype=np.int64)
-        self._rows = np.zeros_like(self._projections)
+        self._rows = np.zeros_like(self._projections)  # and room for more
         self._sizes = np.zeros(len(self._rows), dtype=np.int64)
 
     def vectors(self, size: int) -> Array:
@@ -150,7 +132,7 @@ class InverseRows:
     def memory(self) -> dict[str, NDArray[Any]]:
         """The rows, which are sums in the order in which the block grew; see `recall`."""
         return {
-            "operator_rows": self._rows,
+            "operator_rows": self._rows[: len(self._sizes)],
             "operator_units": self._units,
             "operator_sizes": self._sizes,
         }
@@ -181,10 +163,14 @@ class InverseRows:
 
     def _append(self, components: Indices) -> None:
         """Make room for the rows of some components."""
-        self._place[components] = len(self._rows) + np.arange(len(components))
+        count = len(self._sizes)
+        self._place[components] = count + np.arange(len(components))
         self._units = np.concatenate([self._units, components])
-        self._rows = np.vstack([self._rows, np.zeros((len(components), self._inverse.size))])
         self._sizes = np.concatenate([self._sizes, np.zeros(len(components), dtype=np.int64)])
+        if len(self._sizes) > len(self._rows):
+            room = np.zeros((int(SPARE * len(self._sizes)), self._inverse.size))
+            room[:count] = self._rows[:count]
+            self._rows = room
 
 
 def _parts(begin: int, end: int) -> list[tuple[int, int]]:
@@ -253,7 +239,7 @@ class SimilarSystems:
 
     def __init__(self) -> None:
         self._unknowns: Indices | None = None
-        self._factors: tuple[NDArray[Any], Indices]
+        self._factors: tuple[NDArray[Any], NDArray[np.int32]]
 
     def solve(self, unknowns: Indices, system: LinearSystem, target: Array) -> Array:
         """(k, J) solution of a system.
@@ -289,9 +275,8 @@ class SimilarSystems:
     def _factorise(self, system: LinearSystem, precision: type[np.floating[Any]]) -> bool:
         """Factorise a matrix with numbers of some precision; False if single precision fails."""
         single = precision is np.float32
-        decompose = linalg.lapack.sgetrf if single else linalg.lapack.dgetrf
         # Of the transposed matrix, in its place.
-        factors, pivots, info = decompose(system.matrix(precision).T, overwrite_a=1)
+        factors, pivots, info = dense.factorise(system.matrix(precision).T)
         self._factors = factors, pivots
         if info and not single:
             raise np.linalg.LinAlgError(f"row {info} of the matrix depends on those before it")

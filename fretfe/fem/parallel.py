@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import gc
 import math
+import os
 import signal
 import time
 from collections.abc import Callable, Sequence
@@ -18,6 +19,7 @@ import dolfinx.mesh
 import numpy as np
 
 from fretfe.backends import Observer
+from fretfe.contact import dense
 from fretfe.environment import memory_shortage
 from fretfe.errors import FretfeError, MemoryShortError
 from fretfe.faults import CollectiveError, note_fault, said, trace_of
@@ -145,6 +147,22 @@ class Lead(Generic[Subject]):
             # Raised on rank 0 as well, which decides what follows from it.
             with suppress(FretfeError, RankError):
                 agreed(self._comm, partial(message, self._subject))
+
+
+def use_waiting_cores(comm: MPI.Comm) -> None:
+    """Have rank 0 work on large matrices with the cores of ranks that wait for it. Collective.
+
+    A launcher may have given each rank a core of its own: rank 0 may use them all.
+    """
+    allowed = getattr(os, "sched_getaffinity", None)  # Linux
+    own = MPI.Get_processor_name(), allowed(0) if allowed else set()
+    ranks = comm.allgather(own)
+    beside = [cores for name, cores in ranks if name == ranks[0][0]]
+    if comm.rank == 0:
+        cores = set().union(*beside)
+        if cores:
+            os.sched_setaffinity(0, cores)
+        dense.use_threads(min(len(beside), len(cores) or len(beside)))
 
 
 def _agreeing(comm: MPI.Comm) -> MPI.Comm:

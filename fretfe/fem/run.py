@@ -53,7 +53,7 @@ from fretfe.fem.limits import (
     unpaired_penetration,
 )
 from fretfe.fem.model import LoadMesh, Marched, Model, Prepared, build_model, step_loads
-from fretfe.fem.parallel import Lead, SharedStop, on_root, release
+from fretfe.fem.parallel import Lead, SharedStop, on_root, release, use_waiting_cores
 from fretfe.fem.probes import state_requests
 from fretfe.fem.station_stress import write_stations
 from fretfe.fem.stress_output import write_stress
@@ -127,6 +127,7 @@ def solve_prepared(
     """
     model = prepared.model
     comm = model.comm
+    use_waiting_cores(comm)
     with SharedStop(comm, options.observer) as stop:
         lead = Lead(comm, Recovery(model), stop.send)
         heeding = replace(options, observer=stop)

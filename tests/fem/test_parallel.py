@@ -3,17 +3,19 @@
 
 from __future__ import annotations
 
+import os
 import time
 from functools import partial
 from pathlib import Path
 
 import pytest
 
+from fretfe.contact import dense
 from fretfe.errors import FretfeError, ModelError
 from fretfe.faults import FAULTS, CollectiveError, collecting, guarded
 from fretfe.fem import parallel
 from fretfe.fem._compat import MPI
-from fretfe.fem.parallel import Lead, agreed, on_root, together
+from fretfe.fem.parallel import Lead, agreed, on_root, together, use_waiting_cores
 
 COMM = MPI.COMM_WORLD
 
@@ -137,3 +139,13 @@ def test_rank_0_may_go_on_after_a_question_without_an_answer() -> None:
     assert lead.run(work) == COMM.size * (COMM.size + 1)
     with pytest.raises(ModelError, match="no rank can do this"):
         lead.run(lambda: lead.ask(Part.fail))
+
+
+@pytest.mark.mpi
+def test_rank_0_works_with_the_cores_of_those_that_wait(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One thread for each rank on its machine, as far as there are cores."""
+    counts: list[int] = []
+    monkeypatch.setattr(dense, "use_threads", counts.append)
+    use_waiting_cores(COMM)
+    cores = len(os.sched_getaffinity(0))
+    assert counts == ([min(COMM.size, cores)] if COMM.rank == 0 else [])
