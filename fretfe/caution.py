@@ -121,7 +121,7 @@ class Kind(StrEnum):
         "K_N uncertain",
         "K_N is uncertain",
         "the error bar of K_N is more than a twentieth of it",
-        "refine the mesh there",
+        "refine the mesh there, or let edges.tolerance do so where fretfe makes the mesh",
     )
     K_N_LINEAR = (
         "K_N uncertain, linear elements",

@@ -23,8 +23,8 @@ def test_twelve_edges_are_one_line() -> None:
     assert group.line == (
         "flank 0, left edge: K_N is 0 ± .1 left; flank 0, right edge: K_N is 0 ± .1 right; "
         "likewise at flank 1, left and right edges; flank 2, left and right edges; flank 3, left "
-        "and right edges; flank 4, left and right edges; flank 5, left and right edges: refine the "
-        "mesh there"
+        "and right edges; flank 4, left and right edges; flank 5, left and right edges: "
+        f"{Kind.K_N_UNCERTAIN.remedy}"
     )
     assert len(group.findings) == 12
 
@@ -35,7 +35,7 @@ def test_edges_without_a_number_are_not_likened_to_those_with_one() -> None:
     (group,) = grouped([*unknown, *known])
     assert group.line == (
         "f0, left edge: K_N is unknown by 0; f1, left edge: K_N is unknown by 1; likewise at f2, "
-        "left edge; g, left edge: K_N is known to 38 % only: refine the mesh there"
+        f"left edge; g, left edge: K_N is known to 38 % only: {Kind.K_N_UNCERTAIN.remedy}"
     )
 
 

@@ -63,6 +63,9 @@ UNRESOLVED_PASSES = 3
 # Part of an element that is not counted: intervals often are multiples of their elements, but for
 # round-off.
 ROUND_OFF = 1e-6
+# Elements by which an interval may begin or end elsewhere on the next mesh: edges under small loads
+# are known to a few.
+WANDERING = 4
 # Largest growth of the element size per distance from the edges.
 LARGEST_GROWTH = 0.3
 
@@ -391,8 +394,10 @@ class PlanePasses(Passes):
 
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
         solution, self._before = result.solution, result.contacts
-        # A mesh that still does not show all of a slip zone must not keep the others waiting.
-        self._level += self._done[-1].resolved or len(self._done) > UNRESOLVED_PASSES
+        # A mesh that still does not show all of a slip zone must not keep the others waiting. Where
+        # they change no more, ever smaller elements would only lose the root in round-off.
+        last, late = self._done[-1], len(self._done) > UNRESOLVED_PASSES
+        self._level += last.resolved or (late and last.change > self._tolerance)
         intervals = needed_sizes(solution, result.contacts, self._level)
         self._sources = tuple(_sources(self._case, mesh, solution, intervals))
 
@@ -404,8 +409,10 @@ def _sources(
     contacts = {contact.name: contact for contact in solution.contacts}
     for each in intervals:
         history = contacts[each.contact]
-        count = math.ceil((each.high - each.low) / each.size - ROUND_OFF) + 1
-        arc = np.linspace(each.low, each.high, count)
+        beside = WANDERING * each.size if each.high > each.low else 0.0
+        low, high = each.low - beside, each.high + beside
+        count = math.ceil((high - low) / each.size - ROUND_OFF) + 1
+        arc = np.linspace(low, high, count)
         surface = history.surface
         points = np.stack([np.interp(arc, surface.arc, x) for x in surface.points.T], axis=1)
         for places in _on_bodies(case, mesh, history, points):

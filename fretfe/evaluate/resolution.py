@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
-from fretfe.evaluate.loaded import normal_force
+from fretfe.evaluate.loaded import SMALL_LOAD, normal_force
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
 from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
@@ -183,8 +183,7 @@ def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
     for history, contact, station in _stations(solution, contacts):
         if np.isfinite(station.decisive_k_n[0]) and not station.uncertain:
             continue
-        cycle = cycle_states(solution.cycle)
-        states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+        states = _carrying(solution, contact, station)
         element = _largest_element(history.surface.arc, *_front_range(history, station, states))
         half_width = float(contact.half_width[station.decisive])
         scale = half_width if math.isfinite(half_width) else _rise(history, contact, station)
@@ -227,8 +226,7 @@ def _station_intervals(
     Those places are the station in the state that decides, and at the ends of half cycles, and the
     inner ends of slip zones; only there do the elements shrink with the level.
     """
-    cycle = cycle_states(solution.cycle)
-    states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    states = _carrying(solution, contact, station)
     low, high = _front_range(history, station, states)
     size = values.rise / PER_RISE
     if not np.isfinite(station.decisive_k_n[0]) or station.uncertain:
@@ -272,6 +270,17 @@ def _length(zone: SlipZone) -> float:
     if zone.resolved and zone.length > 0:
         return zone.length
     return zone.prediction if math.isfinite(zone.prediction) else 0.0
+
+
+def _carrying(solution: Solution, contact: Contact, station: Station) -> Indices:
+    """States of the cycle, or else the one that decides, whose P is no small part of the largest.
+
+    Flats that hardly touch tilt: their edges may be anywhere, and all of the flat would be refined.
+    """
+    cycle = cycle_states(solution.cycle)
+    states = cycle if len(cycle) else np.array([station.decisive])
+    force = contact.normal_force[states]
+    return states[force >= SMALL_LOAD * force.max()]
 
 
 def _front_range(history: ContactHistory, station: Station, states: Indices) -> tuple[float, float]:

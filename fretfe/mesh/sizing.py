@@ -44,6 +44,9 @@ OPTIONS = {
     "MeshSizeExtendFromBoundary": 0,
     "Algorithm": 6,
 }
+# Relative error of the integral of 1/size along a curve, which places its nodes. Gmsh's own of 1e-9
+# takes nine tenths of the time of a mesh that is fine at many places.
+ALONG_CURVES = 1e-5
 
 
 @dataclass(frozen=True)
@@ -96,6 +99,7 @@ def apply_sizes(gmsh: ModuleType, sizes: Sizes) -> None:
         distances.append((_distance(gmsh, "PointsList", tags), size))
     fields = [_graded(gmsh, distance, size, sizes.growth) for distance, size in distances]
     _use_smallest(gmsh, fields)
+    gmsh.option.setNumber("Mesh.LcIntegrationPrecision", ALONG_CURVES)
 
 
 def apply_fine_sizes(

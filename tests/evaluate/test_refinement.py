@@ -101,6 +101,24 @@ def test_the_range_of_a_moving_edge_is_to_be_fine() -> None:
             assert at(intervals, sign * float(place)) <= 1.05 * ends[1] / 2 / PER_RISE
 
 
+def test_edges_under_next_to_no_load_are_left_coarse(
+    cycled: tuple[Solution, tuple[Contact, ...]],
+) -> None:
+    """Of a mission that ends without load: flats tilt there, and an edge may be anywhere."""
+    solution, (contact,) = cycled
+    last, stations = len(solution.times) - 1, []
+    for each in contact.stations:
+        tilted = each.position.copy()
+        tilted[last] = 0.3 * tilted[last]
+        stations.append(replace(each, position=tilted))
+    for share, fine in ((0.02, False), (0.2, True)):
+        force = contact.normal_force.copy()
+        force[last] *= share
+        changed = replace(contact, normal_force=force, fronts=fronts_of(stations))
+        intervals = needed_sizes(solution, (changed,), 0)
+        assert any(each.low < 0.5 < each.high for each in intervals) == fine
+
+
 def test_elements_shrink_where_they_are_too_large_to_tell_k_n(
     cycled: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
@@ -278,7 +296,9 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
         position=unknown,
         lack=TOLD,
     )
-    contact = SimpleNamespace(name="flat", stations=(station,), half_width=unknown)
+    contact = SimpleNamespace(
+        name="flat", stations=(station,), half_width=unknown, normal_force=np.array([0.0, 8 / 3])
+    )
     solution = SimpleNamespace(contacts=(history,), cycle=None, times=np.arange(2.0))
     reason = hopeless(solution, (contact,))  # type: ignore[arg-type]
     assert ("K_N at the left edge of contact flat is not known with" in reason) == stops

@@ -58,6 +58,7 @@ def _reason(contact: ContactHistory, station: Station, states: Indices) -> Withh
     unknown = states[~np.isfinite(station.k_n[states])]
     if not len(unknown):
         return Withheld(Lack.NO_TRACTIONS)
-    pressure = contact.traction[unknown[-1], :, 0]
+    state = station.decisive if station.decisive in unknown else unknown[-1]
+    pressure = contact.traction[state, :, 0]
     patch = main_patch(contact.surface.arc, pressure)
     return why_no_root(contact.surface.arc, pressure, patch, plane_front(station.front))
