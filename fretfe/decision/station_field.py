@@ -113,7 +113,8 @@ def _joined(
     """Tractions of the plane problem next to the edge, from some elements on those of the nodes.
 
     The nodes are those around the station, in rows; beyond the middle of the contact, which is too
-    far for it to matter how, as before it.
+    far for it to matter how, as before it. Both pressures have a root at the edge, so one over the
+    other is smooth there: 1 + slope * distance, by the nodes.
     """
     row = stress.row(*_key(station))
     assert row is not None
@@ -132,10 +133,15 @@ def _joined(
         mean = pair.mean_traction[int(state)][nodes.nodes]
         both = np.column_stack([mean[:, 0], np.einsum("nt,ntk->nk", mean[:, 1:], turned)])
         far = np.stack([np.interp(nearer, places, nodes.by_rows(each)) for each in both.T], axis=1)
-        edge = plane.x[np.argmax(p > 0)]
+        inside = nearer - plane.x[np.argmax(p > 0)]
         # Those of nodes begin to count two elements from the edge, and are all from four on.
-        share = np.clip((nearer - edge) / station.size / 2 - 1, 0.0, 1.0)[:, None]
-        own[:] = (1 - share) * local + share * far
+        share = np.clip(inside / station.size / 2 - 1, 0.0, 1.0)[:, None]
+        both = (share[:, 0] > 0) & (share[:, 0] < 1) & (local[:, 0] > 0)
+        slope = 0.0
+        if both.any():
+            missed = far[both, 0] / local[both, 0] - 1
+            slope = float(inside[both] @ missed / (inside[both] @ inside[both]))
+        own[:] = (1 - share) * (1 + slope * inside[:, None]) * local + share * far
     return PlaneTractions(x, values[..., 0], values[..., 1:])
 
 

@@ -72,14 +72,21 @@ def sphere(monkeypatch: pytest.MonkeyPatch) -> Result:
 
 
 def test_stress_is_that_of_half_spaces(sphere: Result) -> None:
-    """From a tenth of the radius on; elements are used from two tenths on."""
-    depths = np.array([0.1, 0.15, 0.2, 0.4])
-    points = np.stack([np.zeros(4), -depths], axis=1)
+    """From a tenth of the radius on, a fifth inside and outside too: 1 % of p0 on the average.
+
+    Elements are used from two tenths on. The most is along the front, whose bend a polynomial has,
+    and within its bar; yy and xy err less above the elements that are used: there the plane
+    problem, whose pressure falls faster than Hertz's, goes over into that of nodes.
+    """
+    points = np.stack(np.meshgrid([-0.2, 0.0, 0.2], [-0.1, -0.15, -0.2, -0.4]), axis=-1)
+    points, above = points.reshape(-1, 2), slice(0, 9)
     shear = cycles(sphere)
     for station, (_, field) in station_fields(sphere, sphere.contacts[0]):
         assert isinstance(field, EdgeField), field
         for state, own in zip(field.states, field.stress(points), strict=True):
-            wrong = np.abs(own - exact(station, points, shear[state])).max(axis=1) / PEAK
-            assert wrong.max() < 0.02
+            wrong = (own - exact(station, points, shear[state])) / PEAK
+            assert PEAK * np.abs(wrong).max() < field.smooth.spread < 0.06 * PEAK
+            assert np.abs(wrong[above][:, [1, 3]]).max() < 0.025
+            assert np.sqrt(np.mean(wrong**2)) < 0.01
     chosen = worst_stations(sphere, sphere.contacts[0], {("front 1", key) for key in range(12)})
     assert set(chosen) == {("front 1", 0), ("front 1", 1)}
