@@ -56,7 +56,9 @@ def station_fields(
     ]
     found = plane_tractions(result.solution, pair, posed, result.case.bodies, stress.states)
     tractions = {
-        _key(each): own if isinstance(own, str) else _joined(pair, front, each, own, stress)
+        _key(each): _unsolved(contact, own)
+        if isinstance(own, str)
+        else _joined(pair, front, each, own, stress)
         for (front, each), own in zip(posed, found, strict=True)
     }
     for station in contact.stations:
@@ -101,6 +103,15 @@ def _lack(station: Station, stress: StationStress) -> str:
     if stress.row(*_key(station)) is None:
         return "its place is not known in all states of the cycle"
     return ""
+
+
+def _unsolved(contact: Contact, reason: str) -> str:
+    """Reason why the plane problem of a station has no tractions."""
+    if contact.sliding_share > 0:
+        return (
+            "all of the contact slides in the cycle, and plane problems are those of partial slip"
+        )
+    return reason
 
 
 def _joined(

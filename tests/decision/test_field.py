@@ -206,3 +206,18 @@ def test_few_elements_in_a_slip_zone_lose_the_stress_next_to_the_edge(
     assert error / 4 < missed < error
     finest = module._finest(contact.stations[0], 0.0718 / elements)
     assert (finest > 0) == (missed > 0.02)
+
+
+@pytest.mark.parametrize("size", [0.05, 0.1])
+def test_rear_edge_of_a_contact_that_slides(size: float) -> None:
+    """2 f p0 where q is f p throughout, to 2 % with a tenth of the half-width; by exact nodes."""
+    arc = np.arange(-A - 5.3 * size * A, A + 5 * size * A, size * A)
+    p = P0 * np.sqrt(np.maximum(1 - (arc / A) ** 2, 0))
+    nodes = module._divided(arc, np.array([[-A], [A]]), -A)
+    traction = np.stack([p, 0.4 * p], axis=1)[None]
+    pressure, shear = module._on_nodes(nodes, arc, traction, np.array([[-A], [A]]))
+    points = np.array([[0.0, 0.0], [0.0, -0.1 * A], [0.1 * A, -0.1 * A]])
+    found = module.NearField(nodes + A, pressure, shear, 0.3).at(points)[0]
+    known = elliptical_stress(points[:, 0] - A, -points[:, 1], A, P0, 0.4 * P0)
+    assert found[0, 0] == pytest.approx(2 * 0.4 * P0, rel=0.02)
+    assert np.abs(found[:, [0, 1, 3]] - known).max() < 0.02 * P0
