@@ -424,7 +424,7 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
     Means of a power distance^-m err like h^(1 - m): 1/(2^(1 - m) - 1) of the difference. What lies
     between rows counts too: a third of what every second row changes. Where one body ends before
     the other a stress grows like that of the corner of a quarter-plane on a half-plane, whose m
-    few rows do not tell.
+    rows do not tell: by fits m is .09 where values on the end of two levels make it .27.
 
     Args:
         name: of it in `Rows`.
@@ -438,8 +438,8 @@ def number_at(name: str, fine: Rows, coarse: Rows, length: float) -> EndNumber:
         *((each.distance, getattr(each, name)) for each in (fine, coarse)), length=length
     )
     grows = exponent > exponent_spread
-    if math.isnan(exponent) and NUMBERS[name].kind == "stress":
-        grows = _grows_on_end(name, fine, coarse)
+    if NUMBERS[name].kind == "stress" and _grows_on_end(name, fine, coarse):
+        exponent, exponent_spread, grows = math.nan, math.nan, True
     power = MOST_SINGULAR if math.isnan(exponent) else min(exponent, 0.9)
     order = 1 - power if grows else 1.0
     return EndNumber(

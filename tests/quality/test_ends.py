@@ -55,7 +55,7 @@ def test_bars_are_what_levels_differ_by() -> None:
     assert found.mean_spread == pytest.approx(0.1 * found.mean, rel=0.2)
 
 
-def test_few_rows_do_not_tell_the_power_of_a_stress() -> None:
+def test_rows_do_not_tell_the_power_of_a_stress() -> None:
     """As next to the end of a shorter body, whose pressure has no largest value."""
 
     def pressed(size: float, pressure: float) -> Rows:
@@ -68,6 +68,11 @@ def test_few_rows_do_not_tell_the_power_of_a_stress() -> None:
     # The mean errs by no more than h^.5.
     assert found.mean_spread == pytest.approx((found.mean - 0.2**-0.3) / (2**0.5 - 1))
     assert not number_at("pressure", fine, pressed(0.2, 1.01 * 0.1**-0.3), 0.2).grows
+    many, fewer = (
+        replace(each, pressure=each.work) for each in (level(0.05, 0.1), level(0.1, 0.1))
+    )
+    found = number_at("pressure", many, fewer, 0.6)
+    assert found.grows and math.isnan(found.exponent)
     for name in ("shear", "work"):
         nothing = number_at(name, fine, coarse, 0.2)
         assert math.isnan(nothing.exponent) and not nothing.grows

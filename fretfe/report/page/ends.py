@@ -28,8 +28,8 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
     if known:
         grows = ""
         if answer.exponent > answer.exponent_spread:
-            power = _power(run, answer, answer.exponent, answer.exponent_spread)
-            grows = f", and grows towards it {power}"
+            power = _power(answer.exponent, answer.exponent_spread)
+            grows = f", and grows {_fitted(run, answer)} {power}"
         yield f"{place} |ΔK| is {known} {length} from it [{run.unit('k_t')}]{grows}."
     else:
         yield f"{place} |ΔK| means nothing in the part, which is within a local length of its ends."
@@ -52,7 +52,9 @@ def end_tables(run: Result) -> list[Table]:
 def end_table(run: Result, answer: EndAnswer) -> Table:
     """Numbers of the nodes next to a free end; none is largest where it grows like a power."""
     title = f"Nodes on the last {answer.length:g} {run.unit('length')} of {answer.name}"
-    table = plain_table(title, ("", "unit", "largest", "mean", "grows"), text=2)
+    table = plain_table(
+        title, ("", "unit", "largest", "mean", f"grows {_fitted(run, answer)}"), text=2
+    )
     for each in answer.numbers:
         declared = NUMBERS[each.name]
         table.add_row(
@@ -60,14 +62,18 @@ def end_table(run: Result, answer: EndAnswer) -> Table:
             run.unit(declared.kind),
             MISSING if each.grows else with_error(each.largest, each.largest_spread),
             with_error(each.mean, each.mean_spread),
-            _power(run, answer, each.exponent, each.exponent_spread) if each.grows else "",
+            _power(each.exponent, each.exponent_spread) if each.grows else "",
         )
     return table
 
 
-def _power(run: Result, answer: EndAnswer, exponent: float, spread: float) -> str:
+def _fitted(run: Result, answer: EndAnswer) -> str:
+    """Distances from an end to which powers are fitted, in words."""
+    return f"within {FITTED * answer.length:.2g} {run.unit('length')}"
+
+
+def _power(exponent: float, spread: float) -> str:
     """Growth towards an end, in words."""
     if math.isnan(exponent):
-        return "like an unknown power of distance"
-    within = f"within {FITTED * answer.length:.2g} {run.unit('length')}"
-    return f"like distance^-m {within}, m = {with_error(exponent, spread)}"
+        return "like an unknown power"
+    return f"like distance^-m, m = {with_error(exponent, spread)}"
