@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Objects that other packages bring by entry points: backends, criteria, readers of fields.
+"""Objects and files that other packages bring by entry points, by groups of them.
 
 One that cannot be loaded, or raises, is named with its package.
 """
@@ -9,10 +9,17 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
+from pathlib import Path
 from typing import Any
 
 from fretfe.environment import memory_shortage, missing_package
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
+
+# Groups: functions that return the path of a material file, or of a template, by its name;
+# functions that make a section of the report from a result.
+MATERIALS = "fretfe.materials"
+TEMPLATES = "fretfe.templates"
+SECTIONS = "fretfe.sections"
 
 
 @dataclass(frozen=True)
@@ -84,6 +91,21 @@ def plug_ins(group: str, own: Sequence[str] = ()) -> list[PlugIn]:
 
     entries = sorted(entry_points(group=group), key=order)
     return [PlugIn(entry.name, _package(entry), entry) for entry in entries]
+
+
+def plugged_file(group: str, name: str) -> Path | None:
+    """The file that a function of a group returns, by its name; None without one.
+
+    Raises:
+        DependencyError: if the function cannot be used, or gives no file.
+    """
+    found = next((each for each in plug_ins(group) if each.name == name), None)
+    if found is None:
+        return None
+    path = found.call()
+    if not isinstance(path, Path) or not path.is_file():
+        raise DependencyError(f"{found.title}: expected the Path of a file, found {path!r}")
+    return path
 
 
 def _package(entry: EntryPoint) -> str:

@@ -18,6 +18,7 @@ from fretfe.case.reading import named_files
 from fretfe.errors import FretfeError
 from fretfe.files import file_fault
 from fretfe.mesh.inp_cards import included_files
+from fretfe.mesh.templates import template_directory, template_file
 from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import ARRAYS
 
@@ -38,6 +39,10 @@ def input_files(case: Case) -> dict[Path, str]:
         for each in (path, *_within(path)):
             if not file_fault(each):
                 found.setdefault(each.resolve(), ".".join(map(str, key)))
+    template = case.geometry.template
+    script = template_file(template) if template else None
+    if script is not None and script.parent != template_directory():
+        found.setdefault(script.resolve(), "geometry.template")
     return found
 
 

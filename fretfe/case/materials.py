@@ -28,6 +28,7 @@ from fretfe.case.units import (
     unit_doubts,
 )
 from fretfe.errors import CaseError, MeshError
+from fretfe.plugins import MATERIALS, plug_ins, plugged_file
 from fretfe.report.texts import rounded
 from fretfe.terminal import one_line
 
@@ -86,22 +87,30 @@ def material_directory() -> Path:
     return Path(__file__).resolve().parents[1] / "materials"
 
 
+def _own_names() -> list[str]:
+    return sorted(path.stem for path in material_directory().glob("*.toml"))
+
+
 def material_names() -> tuple[str, ...]:
-    """Names of all materials that come with fretfe, sorted."""
-    return tuple(sorted(path.stem for path in material_directory().glob("*.toml")))
+    """Names of all materials that come with fretfe, sorted, then those of other packages."""
+    return tuple(dict.fromkeys((*_own_names(), *(each.name for each in plug_ins(MATERIALS)))))
 
 
 def find_material(material: Any, folder: Path) -> Path:
-    """The file of a material: one of those that come with fretfe, or below a folder.
+    """The file of a material: one that comes with fretfe or another package, or below a folder.
 
     Raises:
         CaseError: it is no name of one, nor that of a file.
+        DependencyError: another package fails to give its file.
     """
+    if isinstance(material, str) and len(material) < LONGEST_NAME:
+        if material.endswith(".toml"):
+            return folder / material
+        if material in _own_names():
+            return material_directory() / f"{material}.toml"
+        if other := plugged_file(MATERIALS, material):
+            return other
     names = material_names()
-    if isinstance(material, str) and material.endswith(".toml") and len(material) < LONGEST_NAME:
-        return folder / material
-    if isinstance(material, str) and material in names:
-        return material_directory() / f"{material}.toml"
     near = get_close_matches(str(material)[:LONGEST_NAME], names, n=1)
     hint = f"; did you mean {near[0]!r}?" if near else ""
     raise CaseError(

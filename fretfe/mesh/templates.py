@@ -18,6 +18,7 @@ from pathlib import Path
 from fretfe.case.messages import found
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import require_file
+from fretfe.plugins import TEMPLATES, plug_ins, plugged_file
 
 # DefineConstant[ size = {0.01, Min 1e-5, Max 1, Name "Parameters/01 Element size [mm]"}, ... ];
 _BLOCK = re.compile(r"DefineConstant\s*\[(.*?)\n\s*\];", re.DOTALL)
@@ -91,9 +92,24 @@ def template_directory() -> Path:
     return installed if installed.is_dir() else package.parent / "meshes"
 
 
+def _own_names() -> list[str]:
+    return sorted(path.stem for path in template_directory().glob("*.geo"))
+
+
 def template_names() -> tuple[str, ...]:
-    """Names of all templates, sorted."""
-    return tuple(sorted(path.stem for path in template_directory().glob("*.geo")))
+    """Names of all templates, sorted, then those of other packages."""
+    return tuple(dict.fromkeys((*_own_names(), *(each.name for each in plug_ins(TEMPLATES)))))
+
+
+def template_file(name: str) -> Path | None:
+    """The script of a template, that of another package if fretfe has none; None without one.
+
+    Raises:
+        DependencyError: Another package fails to give its file.
+    """
+    if name in _own_names():
+        return template_directory() / f"{name}.geo"
+    return plugged_file(TEMPLATES, name)
 
 
 def find_template(name: str, where: str = "geometry.template", length: str = "mm") -> Template:
@@ -107,14 +123,16 @@ def find_template(name: str, where: str = "geometry.template", length: str = "mm
 
     Raises:
         CaseError: There is no such template.
+        DependencyError: Another package fails to give its file.
     """
-    names = template_names()
-    if name not in names:
+    path = template_file(name)
+    if path is None:
+        names = template_names()
         raise CaseError(
             f"{where}: no template is called '{name}'{did_you_mean(name, names)};"
             f" there are: {', '.join(names)} (in {template_directory()})"
         )
-    template = read_template(template_directory() / f"{name}.geo")
+    template = read_template(path)
     parameters = tuple(each.in_unit(length) for each in template.parameters)
     return replace(template, name=name, parameters=parameters)
 

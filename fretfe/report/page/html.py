@@ -4,8 +4,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from importlib.resources import files
 from pathlib import Path
@@ -17,12 +17,13 @@ from markupsafe import Markup
 from rich.table import Table
 
 from fretfe.caution import grouped
-from fretfe.errors import CaseError, ModelError
+from fretfe.errors import CaseError, FretfeError, ModelError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.faults import Fault, guarded
 from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
+from fretfe.plugins import SECTIONS, plug_ins
 from fretfe.quality.ends import read_answers
 from fretfe.quality.rows import Row, own_rows
 from fretfe.report.figures import edges, history, solver, tractions
@@ -112,8 +113,23 @@ def draw_plots(run: Result, stations: Sequence[str] = ()) -> Plots:
     sections = guarded("figures", lambda: _sections(run, chosen), failed.append) or ()
     if failed:
         sections = (Section("figures", "Figures", "None could be drawn.", (), (failed[0].text,)),)
+    sections += tuple(_by_others(run))
     solver = _section("solver", "Solver and checks", "", _solver_plots(run))
     return Plots(sections, solver.plots, solver.missing)
+
+
+def _by_others(run: Result) -> Iterator[Section]:
+    """Sections of other packages; one that fails says so in its place."""
+    for each in plug_ins(SECTIONS):
+        anchor = f"section-{each.name}"
+        try:
+            made = each.call(run)
+        except FretfeError as error:
+            yield Section(anchor, each.name, str(error), ())
+            continue
+        wrong = f"{each.title}: expected a Section, found {made!r}"
+        good = isinstance(made, Section)
+        yield replace(made, anchor=anchor) if good else Section(anchor, each.name, wrong, ())
 
 
 def _chosen(run: Result, name: str) -> At:
