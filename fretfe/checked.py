@@ -25,7 +25,7 @@ from fretfe.case import Case, case_notes, stiffness_doubts
 from fretfe.contact.march import MOST_PARTS
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, most_added
-from fretfe.mesh.cost import Cost, estimate_cost, finer_model
+from fretfe.mesh.cost import Amount, Cost, estimate_cost, finer_model
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.surface.checks import load_mesh
@@ -80,7 +80,11 @@ class Checked:
 
     @cached_property
     def cost(self) -> Cost:
-        """Estimate of memory and time, of the first mesh if it refines itself."""
+        """Estimate of memory and time on one process, of the first mesh if it refines itself."""
+        return self.cost_on(1)
+
+    def cost_on(self, ranks: int) -> Cost:
+        """The same on several processes."""
         nodes = sum(len(pair.coupling.surface.weights) for pair in self.pairs)
         steps, cycle = len(self.history.times) - 1, self.history.cycle
         if cycle is not None:
@@ -92,9 +96,8 @@ class Checked:
         stations = round(fronts * (1 if plane else along))
         states = _field_states(self.case, steps, len(self.history.times) - 1)
         size = self.definition.components
-        found = estimate_cost(
-            self.mesh, self.case.model.degree, nodes, steps, stations, states, size
-        )
+        amount, degree = Amount(steps, stations, states), self.case.model.degree
+        found = estimate_cost(self.mesh, degree, nodes, amount, size, ranks)
         added, unloaded = (
             steps - (len(self.history.times) - 1),
             unloaded_steps(self.case, self.history),

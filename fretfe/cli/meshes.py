@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
-from fretfe.environment import rank_from_environment
+from fretfe.environment import idle_cores, rank_from_environment
 from fretfe.report.texts import MISSING, plain_table, print_whole, rounded
 
 if TYPE_CHECKING:
@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from fretfe.mesh.mesh import BodySummary, Mesh
     from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
+# Seconds from which on a run is long, and part of them that makes more processes worth a line.
+LONG = 60.0
+SAVED = 0.25
 CHECK_EXAMPLES = examples(
     "fretfe check pad.toml",
     "fretfe check pad.toml --set geometry.parameters.size=0.02",
@@ -30,7 +33,21 @@ CHECK_EXAMPLES = examples(
 )
 
 
-def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = False) -> None:
+def check(
+    case: CaseFile,
+    overrides: Overrides = None,
+    trust_geo: TrustGeo = False,
+    ranks: Annotated[
+        int | None,
+        typer.Option(
+            "--ranks",
+            min=1,
+            metavar="N",
+            show_default=False,
+            help="Estimate the run on N processes, too; without it on all cores if that pays.",
+        ),
+    ] = None,
+) -> None:
     """Check a case and its mesh, and list what would be solved.
 
     Of an Abaqus or CalculiX input file, print the case that it amounts to.
@@ -49,7 +66,7 @@ def check(case: CaseFile, overrides: Overrides = None, trust_geo: TrustGeo = Fal
     with Console(stderr=True).status("making the mesh, and looking at it"):
         checked = check_case(read)
     if checked is not None:
-        _print(checked)
+        _print(checked, ranks)
 
 
 def _propose(deck: Path) -> None:
@@ -80,7 +97,7 @@ def _propose(deck: Path) -> None:
         print(f"# It is not the deck: {things} not in it, see 'not taken over'.")
 
 
-def _print(checked: Checked) -> None:
+def _print(checked: Checked, ranks: int | None) -> None:
     from fretfe.bodies.continued import between_surfaces, missed_gaps
     from fretfe.bodies.expected import coarse_contacts, pressure_doubts
     from fretfe.bodies.free_ends import end_warning
@@ -137,10 +154,20 @@ def _print(checked: Checked) -> None:
         console.print(text, highlight=False)
     print(f"{len(history.times) - 1} steps to t = {history.times[-1]:g}, {cycle}")
     print(f"Estimate: {checked.cost.text}")
+    _print_on_ranks(checked, ranks)
     refuse_too_large(checked.cost)
     for proposal in proposals:
         console.print(f"Proposal: {proposal}", highlight=False, markup=False)
     console.print("The case is valid.")
+
+
+def _print_on_ranks(checked: Checked, asked: int | None) -> None:
+    """Print what a run takes on so many processes; by itself on all cores, if that pays."""
+    alone, ranks = checked.cost, asked or idle_cores() + 1
+    several = checked.cost_on(ranks)
+    pays = alone.seconds > LONG and several.seconds < (1 - SAVED) * alone.seconds
+    if ranks > 1 and (asked or pays):
+        print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}")
 
 
 MESH_EXAMPLES = examples("fretfe mesh pad.toml -o pad.msh")

@@ -18,10 +18,11 @@ from fretfe.contact.interface import Compliance
 from fretfe.fem._compat import cells_around
 from fretfe.fem.elasticity import ElasticBody, stress_pairs
 from fretfe.fem.model import Model, Request, Share
-from fretfe.fem.parallel import Lead, agreed, share_out
+from fretfe.fem.parallel import Lead, agreed
 from fretfe.fem.probes import Probe, measure
 from fretfe.files import writing
 from fretfe.local.problem import Batch, EdgeSlip
+from fretfe.mesh.shares import share_out
 from fretfe.results.field_files import FieldWriter
 
 # Reference coordinates may leave an element by this much; bounding boxes grow by this part.

@@ -24,6 +24,7 @@ from fretfe.environment import memory_shortage
 from fretfe.errors import FretfeError, MemoryShortError
 from fretfe.faults import CollectiveError, note_fault, said, trace_of
 from fretfe.fem._compat import MPI, PETSc
+from fretfe.mesh.shares import share_out
 
 T = TypeVar("T")
 Subject = TypeVar("Subject")
@@ -288,25 +289,6 @@ def find_group(comm: MPI.Comm, work: Sequence[float]) -> Group:
         bodies=groups[colours[comm.rank]][0],
         roots=tuple(roots[body] for body in range(len(work))),
     )
-
-
-def share_out(work: Sequence[float], ranks: int) -> list[tuple[tuple[int, ...], int]]:
-    """Bodies and number of ranks of each group, so that the busiest rank has as little as possible.
-
-    Args:
-        work: of each body.
-        ranks: number of all ranks.
-    """
-    if ranks >= len(work):
-        shares = np.ones(len(work), dtype=np.int64)
-        for _ in range(ranks - len(work)):
-            shares[np.argmax(np.array(work) / shares)] += 1
-        return [((body,), int(share)) for body, share in enumerate(shares)]
-    groups: list[list[int]] = [[] for _ in range(ranks)]
-    for body in np.argsort(work, kind="stable")[::-1]:
-        least = min(groups, key=lambda group: sum(work[each] for each in group))
-        least.append(int(body))
-    return [(tuple(sorted(group)), 1) for group in groups]
 
 
 def _split(comm: MPI.Comm, colours: tuple[int, ...]) -> MPI.Comm:

@@ -13,7 +13,7 @@ that, where the contact slides as a whole.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -23,6 +23,7 @@ from fretfe.environment import machine_memory
 from fretfe.errors import ModelError
 from fretfe.mesh.elements import CORNERS, FACETS, SIMPLICES
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
+from fretfe.mesh.shares import share_out
 
 # Entries of a symmetric factor in the plane over the unknowns, by the binary logarithm of these.
 ENTRIES = 12.0
@@ -80,6 +81,11 @@ EDGES = {2: 4.0e-6, 3: 1.2e-6}
 FIELDS = {2: 2.0e-6, 3: 6.5e-6}
 DRAWING = {2: 4.0, 3: 6.0}
 PICTURES = {2: 3.0e-5, 3: 4.0e-5}
+# On several processes: operations of the busiest of them for a body, by their number to this power
+# (measured with eight); parts of the work of steps, and behind them, that all share.
+SPREADING = -0.9
+SHARED_STEPS = 0.75
+SHARED_BEHIND = 0.65
 # Growth of sizes within an element of a solid.
 WITHIN = 0.4
 # What makes a model smaller, in the plane and in space.
@@ -99,6 +105,22 @@ FEWER_TRACTIONS = {
 
 
 @dataclass(frozen=True)
+class Amount:
+    """What is solved and written with a model.
+
+    Attributes:
+        steps: of the load history, those of cycles that are likely to be added among them; those
+            of one mesh if it refines itself.
+        stations: of all fronts.
+        states: whose fields are written.
+    """
+
+    steps: int = 0
+    stations: int = 0
+    states: int = 0
+
+
+@dataclass(frozen=True)
 class Cost:
     """Estimate of what a run takes.
 
@@ -106,10 +128,10 @@ class Cost:
         unknowns: displacements of all bodies.
         tractions: unknown tractions at the contact nodes.
         steps: of the load history and of cycles that are likely to be added.
-        memory: bytes, of one process.
+        memory: bytes, of the largest process.
         dense: those of them for the full matrices of the contact tractions.
         on_disk: whether the factors of the bodies are to be kept on disk.
-        seconds: with one thread, pictures and report included.
+        seconds: with one thread for each process, pictures and report included.
         behind: those of them behind the last step.
         dimension: 2 of a plane case, 3 of a solid one.
         stations: of all fronts, with edge factors and slip zones.
@@ -158,6 +180,13 @@ class Cost:
             f"{_duration(self.behind)} of them for edge factors, fields and pictures{self._more}"
         )
 
+    def beside(self, alone: Cost) -> str:
+        """The estimate for several processes beside that for one, in words."""
+        return (
+            f"about {_rounded(self.memory / 2**30)} GB for the largest of them and "
+            f"{_duration(self.seconds)}, {self.seconds / alone.seconds:.2g} of that"
+        )
+
     @property
     def _more(self) -> str:
         """Time that steps which are divided may take, in words; empty if that is little."""
@@ -174,10 +203,9 @@ def estimate_cost(
     mesh: Mesh,
     degree: int,
     nodes: int,
-    steps: int,
-    stations: int = 0,
-    states: int = 0,
+    amount: Amount,
     components: int | None = None,
+    ranks: int = 1,
 ) -> Cost:
     """Estimate memory and time of a case.
 
@@ -185,34 +213,44 @@ def estimate_cost(
         mesh: of all bodies.
         degree: of the displacements.
         nodes: multiplier nodes of all contacts.
-        steps: of the load history, those of cycles that are likely to be added among them; those
-            of one mesh if it refines itself.
-        stations: of all fronts.
-        states: whose fields are written.
+        amount: of what is solved and written with it.
         components: of displacements and tractions; without it as many as coordinates.
+        ranks: processes, on cores of their own.
     """
     dimension, size = mesh.dimension, components or mesh.dimension
     bodies = [body_unknowns(body, degree, size) for body in mesh.bodies.values()]
     tractions = size * nodes
     entries = [_factor_entries(body, degree, size) for body in mesh.bodies.values()]
     dense = 8.0 * MATRICES[dimension] * tractions**2
-    memory = ALWAYS + PER_ENTRY * sum(entries) + PER_UNKNOWN[dimension] * sum(bodies) + dense
+    grown = bodies if dimension == 2 else entries
+    work = [n**1.5 for n in grown]
+    groups = share_out(work, ranks)
+
+    def busiest(of_bodies: Sequence[float]) -> float:
+        return max(sum(of_bodies[each] for each in own) * n**SPREADING for own, n in groups)
+
+    # Process 0 has the matrices of the interface beside its part of a body.
+    each_body = zip(entries, bodies, strict=True)
+    parts = [PER_ENTRY * own + PER_UNKNOWN[dimension] * n for own, n in each_body]
+    memory = ALWAYS + busiest(parts) + dense
     there = machine_memory()
-    on_disk = there is not None and memory > IN_MEMORY * there
+    on_disk = there is not None and ranks * ALWAYS + sum(parts) + dense > IN_MEMORY * there
     if on_disk:
         memory = _memory_on_disk(mesh, degree, tractions, sum(bodies))
-    grown = bodies if dimension == 2 else entries
-    preparation = FACTORISING[dimension] * sum(n**1.5 for n in grown)
-    preparation += ASSEMBLING[dimension] * sum(bodies)
-    interface = ORDERS * INTERFACE * tractions**3
-    step = STEP + STEP_SQUARED[dimension] * tractions**2
+    preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(bodies)
+    steps_of_one = 1 - SHARED_STEPS + SHARED_STEPS / ranks
+    interface = ORDERS * INTERFACE * tractions**3 * steps_of_one
+    step = (STEP + STEP_SQUARED[dimension] * tractions**2) * steps_of_one
     unknowns = sum(bodies)
-    behind = unknowns * (EDGES[dimension] * stations + FIELDS[dimension] * states)
-    behind += STATION[dimension] * stations + DRAWING[dimension] + PICTURES[dimension] * unknowns
-    seconds = STARTING + preparation + interface + steps * step + behind
+    behind = unknowns * (EDGES[dimension] * amount.stations + FIELDS[dimension] * amount.states)
+    behind += (
+        STATION[dimension] * amount.stations + DRAWING[dimension] + PICTURES[dimension] * unknowns
+    )
+    behind *= 1 - SHARED_BEHIND + SHARED_BEHIND / min(ranks, len(bodies))
+    seconds = STARTING + preparation + interface + amount.steps * step + behind
     return Cost(
-        unknowns, tractions, steps, memory, dense, on_disk, seconds, behind, dimension, stations,
-        step=step,
+        unknowns, tractions, amount.steps, memory, dense, on_disk, seconds, behind, dimension,
+        amount.stations, step=step,
     )  # fmt: skip
 
 

@@ -7,7 +7,8 @@ import pytest
 
 from fretfe.errors import ModelError
 from fretfe.fem._compat import MPI
-from fretfe.fem.parallel import find_group, share_out, together
+from fretfe.fem.parallel import find_group, together
+from fretfe.mesh.shares import share_out
 
 
 @pytest.mark.parametrize(

@@ -204,8 +204,8 @@ def test_both_sides_are_fine_at_the_contact_edges() -> None:
 @pytest.mark.parametrize(("upper", "lower"), [(0.25, 0.05), (0.07, 0.3)])
 def test_the_fine_mesh_follows_fronts(upper: float, lower: float) -> None:
     """Fronts on the roundings, so far from the flat of half the length 3, with 0.06 around them."""
-    parts = {"edge_size": 0.02, "edge_zone": 0.06, "upper_front": upper, "lower_front": lower}
-    for name, body in dovetail(**parts).bodies.items():
+    mesh = dovetail(edge_size=0.02, edge_zone=0.06, upper_front=upper, lower_front=lower)
+    for name, body in mesh.bodies.items():
         facets = body.boundaries[f"{name}_flank_right"]
         s = along_and_above(body.points[facets[:, :2]].mean(axis=1), 1)[:, 0]
         sizes = facet_measures(body.points, facets)
