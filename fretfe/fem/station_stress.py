@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -131,22 +131,23 @@ def write_stations(
     depths = np.array(model.case.output.stress_depths)
     states = judged_states(solution, contacts)
     sites = [
-        site
+        _Site.of(model, each, pair, states, depths)
         for each in contacts
         for pair in solution.contacts
-        if pair.pair == each.pair and (site := _Site.of(model, each, pair, states, depths)).stations
+        if pair.pair == each.pair
     ]
     requests = state_requests(recorder, [int(each) for each in states])
     modes, shares = common_modes(requests, model.reduction.interface.compliance)
     places = {
         (site.contact, number): (name, site.points[number].reshape(-1, 3))
         for site in sites
+        if site.stations
         for number, name in enumerate(site.bodies)
     }
     at_once = fields.states_at_once()
     parts = [
         inner
-        for first in range(0, len(modes) if sites else 0, at_once)
+        for first in range(0, len(modes) if places else 0, at_once)
         for _, inner in fields.stress(places, modes[first : first + at_once])
     ]
     found = [
@@ -155,20 +156,21 @@ def write_stations(
             depths=depths,
             states=states,
             fronts=tuple(each.front for each in site.stations),
-            numbers=np.array([each.number for each in site.stations]),
+            numbers=np.array([each.number for each in site.stations], dtype=np.int64),
             mouths=site.mouths,
             places=site.places,
-            stress=np.array(
-                [
-                    site.turned(
-                        np.array([part[site.contact, number] for part in parts]), number, shares
-                    )
-                    for number in (0, 1)
-                ]
-            ),
+            stress=_stress(site, parts, shares),
         )
         for site in sites
     ]
     file = path.with_name(STATION_STRESSES)
     with writing(file, "the stress at stations"):
         write_station_stress(file, found)
+
+
+def _stress(site: _Site, parts: Sequence[Mapping[tuple[str, int], Array]], shares: Array) -> Array:
+    """As of `StationStress`; empty without stations."""
+    if not site.stations:
+        return np.zeros((2, 0, shares.shape[1], *site.points.shape[1:2], len(site.places), 6))
+    modes = [np.array([part[site.contact, number] for part in parts]) for number in (0, 1)]
+    return np.array([site.turned(each, number, shares) for number, each in enumerate(modes)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import json
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -26,7 +27,11 @@ from fretfe.errors import OutputError
 from fretfe.evaluate.contacts import Station
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
-from fretfe.results.station_stress import STATION_STRESSES, read_station_stress
+from fretfe.results.station_stress import (
+    STATION_STRESSES,
+    read_station_stress,
+    write_station_stress,
+)
 from fretfe.runner import Runner
 
 LENGTH, SIZE = 1.0, 0.05
@@ -145,3 +150,15 @@ def test_files_that_are_not_whole(solved: Result, tmp_path: Path) -> None:
         read_station_stress(tmp_path, "main")
     with pytest.raises(OutputError, match="of other"):
         solved.station_stress("other")
+
+
+def test_a_contact_without_known_places_has_no_stress(solved: Result, tmp_path: Path) -> None:
+    """It is in the file all the same: what is not known has a reason."""
+    known = solved.station_stress("main")
+    none = replace(
+        known, fronts=(), numbers=known.numbers[:0], mouths=known.mouths[:0],
+        stress=known.stress[:, :0],
+    )  # fmt: skip
+    write_station_stress(tmp_path / STATION_STRESSES, [none])
+    for _, fields in station_fields(replace(solved, directory=tmp_path), solved.contacts[0]):
+        assert fields == ("its place is not known in all states of the cycle",) * 2
