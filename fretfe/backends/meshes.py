@@ -397,7 +397,10 @@ class PlanePasses(Passes):
         # A mesh that still does not show all of a slip zone must not keep the others waiting. Where
         # they change no more, ever smaller elements would only lose the root in round-off.
         last, late = self._done[-1], len(self._done) > UNRESOLVED_PASSES
-        self._level += last.resolved or (late and last.change > self._tolerance)
+        open_yet = last.change > self._tolerance or any(
+            station.uncertain for each in result.contacts for station in each.stations
+        )
+        self._level += last.resolved or (late and open_yet)
         intervals = needed_sizes(solution, result.contacts, self._level)
         self._sources = tuple(_sources(self._case, mesh, solution, intervals))
 

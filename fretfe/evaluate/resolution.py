@@ -63,6 +63,7 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
             slip=tuple(zone.length for zone in _last_zones(station)),
             rise=_rise(history, contact, station),
             friction=station.friction,
+            k_t_scale=float(np.finfo(float).max) if _slides(station) else 0.0,
         )
         for history, contact, station in _stations(solution, contacts)
     )
@@ -90,6 +91,12 @@ def _stations(
             for station in contact.stations:
                 if not station.lack.whole:  # no mesh tells anything of those
                     yield history, contact, station
+
+
+def _slides(station: Station) -> bool:
+    """True if the contact slid as a whole at last: K_T is no measure of what happens then."""
+    last = station.slip_zones[-ZONES:]
+    return bool(last) and all(zone.gross for zone in last)
 
 
 def _last_zones(station: Station) -> tuple[SlipZone, ...]:

@@ -77,6 +77,20 @@ def test_values_are_those_of_the_edges(
         assert values.rise == pytest.approx(0.5, rel=0.02)
 
 
+def test_k_t_of_contacts_that_slide_need_not_converge(
+    cycled: tuple[Solution, tuple[Contact, ...]],
+) -> None:
+    solution, (contact,) = cycled
+    zones = [tuple(replace(z, gross=True) for z in each.slip_zones) for each in contact.stations]
+    stations = [
+        replace(each, slip_zones=own) for each, own in zip(contact.stations, zones, strict=True)
+    ]
+    before = station_values(solution, (replace(contact, fronts=fronts_of(stations)),))
+    after = [replace(each, k_t=0.5 * each.k_t) for each in before]
+    changes = edge_changes(before, after, {contact.name: contact.name})
+    assert all(each.change < 1e-300 for each in changes)
+
+
 @pytest.mark.parametrize("side", [-1, 1])
 @pytest.mark.parametrize("level", [0, 2])
 def test_edges_and_slip_zones_are_to_be_fine(
