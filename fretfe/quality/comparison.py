@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
+import numpy as np
 from rich import box
 from rich.markup import escape
 from rich.table import Table
@@ -25,6 +26,25 @@ FAILURES = (Verdict.DIFFERS, Verdict.FAILED, Verdict.NOT_CAUGHT)
 SCHEMA = {"name": "fretfe-verify", "version": 2}
 TEXTS = ("quantity", "backend")
 NUMBERS = ("computed", "reference", "difference", "tolerance")
+
+
+@dataclass(frozen=True)
+class Averaged:
+    """A mean of numbers that have error bars.
+
+    Attributes:
+        numbers: finds numbers and bars in the results of a backend.
+    """
+
+    numbers: Callable[[Result], Sequence[tuple[float, float]]]
+
+    def __call__(self, result: Result) -> float:
+        """The mean."""
+        return float(np.mean([value for value, _ in self.numbers(result)]))
+
+    def spread(self, result: Result) -> float:
+        """The mean of the bars: what errors that all numbers share make of the mean."""
+        return float(np.mean([spread for _, spread in self.numbers(result)]))
 
 
 @dataclass(frozen=True)
@@ -93,6 +113,7 @@ class Row:
         tolerance: largest absolute difference, as a fraction of the scale.
         verdict: of the comparison, or of a negative control.
         reason: why it was skipped, what failed, or what caught the control.
+        spread: error bar of the computed value.
     """
 
     benchmark: str
@@ -104,6 +125,7 @@ class Row:
     tolerance: float | None
     verdict: Verdict
     reason: str = ""
+    spread: float | None = None
 
     @property
     def failed(self) -> bool:
@@ -118,10 +140,12 @@ def remark(benchmark: str, backend: str, verdict: Verdict, reason: str, quantity
 
 def compare(benchmark: str, quantity: Quantity, backend: str, result: Result) -> Row:
     """Compare one number of a result with its known value; on rank 0."""
-    computed = quantity.measure(result)
+    measure = quantity.measure
+    computed = measure(result)
     difference = (computed - quantity.reference) / quantity.scale
     tolerance = quantity.tolerance(backend)
     known = math.isfinite(difference)
+    spread = measure.spread(result) if isinstance(measure, Averaged) else math.nan
     agrees = known and abs(difference) <= tolerance
     return Row(
         benchmark=benchmark,
@@ -133,6 +157,7 @@ def compare(benchmark: str, quantity: Quantity, backend: str, result: Result) ->
         tolerance=tolerance,
         verdict=Verdict.AGREES if agrees else Verdict.DIFFERS,
         reason="" if known else "the backend found no value",
+        spread=spread if math.isfinite(spread) else None,
     )
 
 

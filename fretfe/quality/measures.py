@@ -10,7 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.quality.comparison import Measure
+from fretfe.quality.comparison import Averaged, Measure
 from fretfe.results.model import Result
 
 
@@ -23,9 +23,12 @@ def half_width(result: Result) -> float:
     return float(_contact(result).half_width[-1])
 
 
-def k_n(result: Result) -> float:
-    """K_N, mean of both edges."""
-    return float(np.mean([station.k_n[-1] for station in _contact(result).stations]))
+def _last_k_n(station: Station) -> tuple[float, float]:
+    return float(station.k_n[station.last]), float(station.k_n_spread[station.last])
+
+
+# K_N at the end, mean of both edges; of solids of all stations.
+k_n = Averaged(lambda result: [_last_k_n(each) for each in _judged(result)])
 
 
 def k_t(result: Result) -> float:
@@ -35,7 +38,7 @@ def k_t(result: Result) -> float:
 
 
 def dissipation(result: Result) -> float:
-    """Friction work in the cycle."""
+    """Friction work in the cycle, or without one of all steps."""
     return float(_contact(result).dissipation)
 
 
@@ -46,12 +49,17 @@ def position(side: int) -> Measure:
 
 def k_t_range(side: int) -> Measure:
     """Range of K_T at an edge over the cycle."""
-    return lambda result: float(_contact(result).stations[side].k_t_range)
+
+    def found(result: Result) -> list[tuple[float, float]]:
+        station = _contact(result).stations[side]
+        return [(station.k_t_range, station.k_range_spread)]
+
+    return Averaged(found)
 
 
 def slip_length(side: int) -> Measure:
     """Length of the last slip zone at an edge."""
-    return lambda result: _last_zone(_contact(result).stations[side], "length")
+    return Averaged(lambda result: [_last_length(_contact(result).stations[side])])
 
 
 def slipping_k_n(side: int) -> Measure:
@@ -64,6 +72,10 @@ def slipping_k_n(side: int) -> Measure:
     return measure
 
 
+def _last_length(station: Station) -> tuple[float, float]:
+    return _last_zone(station, "length"), _last_zone(station, "spread")
+
+
 def _last_zone(station: Station, attribute: str) -> float:
     """A number of the last slip zone; NaN without any."""
     return float(getattr(station.slip_zones[-1], attribute)) if station.slip_zones else np.nan
@@ -74,9 +86,10 @@ def predicted_length(side: int) -> Measure:
     return lambda result: _last_zone(_contact(result).stations[side], "predicted")
 
 
-def mean_slip_length(result: Result) -> float:
-    """Length of the last slip zones, mean of all stations: in the plane those of both edges."""
-    return float(np.mean([_last_zone(station, "length") for station in _contact(result).stations]))
+# Length of the last slip zones, mean of all stations: in the plane those of both edges.
+mean_slip_length = Averaged(
+    lambda result: [_last_length(each) for each in _contact(result).stations]
+)
 
 
 def first_slip_length(result: Result) -> float:
@@ -142,16 +155,16 @@ def force_ratio(numerator: str, denominator: str) -> Measure:
     return measure
 
 
-def front_mean(attribute: str) -> Measure:
-    """A number of the stations, mean of those that are not too near an end of their front."""
-    return lambda result: float(np.mean([getattr(each, attribute) for each in _judged(result)]))
-
-
-def front_last(attribute: str) -> Measure:
-    """A history of the stations at the end of the cycle, mean of the same."""
-    return lambda result: float(
-        np.mean([getattr(each, attribute)[each.last] for each in _judged(result)])
+def front_range(attribute: str) -> Measure:
+    """A range of the stations, mean of those that are not too near an end of their front."""
+    return Averaged(
+        lambda result: [(getattr(each, attribute), each.k_range_spread) for each in _judged(result)]
     )
+
+
+def front_k_s(result: Result) -> float:
+    """K_S of the same stations at the end of the cycle."""
+    return float(np.mean([each.k_s[each.last] for each in _judged(result)]))
 
 
 def _judged(result: Result) -> list[Station]:

@@ -50,6 +50,7 @@ from fretfe.quality.loading import (
     unloaded_cylinder,
 )
 from fretfe.quality.solids import (
+    cattaneo_sphere,
     extruded_pad,
     sheared_ellipse,
     sheared_sphere,
@@ -131,6 +132,7 @@ def families() -> Iterator[tuple[str, tuple[Benchmark, ...]]]:
         sliding_wedge,
         pushed_plate,
         sheared_sphere,
+        cattaneo_sphere,
         twisted_sphere,
         sheared_ellipse,
         extruded_pad,

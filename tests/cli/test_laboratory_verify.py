@@ -27,7 +27,7 @@ from fretfe.results.model import Result
 
 KEYS = {
     "benchmark", "quantity", "backend", "computed", "reference", "difference", "tolerance",
-    "verdict", "reason",
+    "verdict", "reason", "spread",
 }  # fmt: skip
 BENCHMARK = benchmarks()[0]
 ROOT = Path(__file__).parents[2]

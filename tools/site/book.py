@@ -25,8 +25,8 @@ HEAD = """# Verification book
 
 After this page you can see how each benchmark is posed, what is known of it, and what was computed.
 
-The numbers are those of `fretfe verify` when these pages were made. In the figures differences are
-over their tolerance: all must be between the lines.
+The numbers are those of `fretfe verify` when these pages were made, with error bars where a number
+has one. In the figures differences are over their tolerance: all must be between the lines.
 
     fretfe verify
 """
@@ -62,6 +62,8 @@ def section(problem: str, family: Sequence[Benchmark], rows: Rows, picture: str)
     for row in rows:
         name = row["benchmark"].removeprefix(f"{family[0].name}, ")
         values = [f"{row[key]:.5g}" for key in ("reference", "computed")]
+        if row["spread"] is not None:
+            values[1] += f" ± {row['spread']:.1g}"
         off, most = (f"{row[key]:.1e}" for key in ("difference", "tolerance"))
         cells = [name, row["quantity"], values[0], row["backend"], values[1], off, most]
         yield f"| {' | '.join(map(_plain, cells))} |"
