@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 import shutil
 import sys
+from importlib.metadata import metadata
 from pathlib import Path
 
 import api
@@ -61,6 +62,7 @@ SECTIONS = {
         "validate",
         "verify",
         "book",
+        "reference/README",
         "security",
     ),
     "Behind it": ("contributing", "architecture", "performance", "changes"),
@@ -88,12 +90,17 @@ def titled(text: str) -> str:
 
 
 def front_page() -> str:
-    """The README, and the list of all pages."""
+    """The README with the version and the addresses of the package, and the list of all pages."""
     lists = [
         f"```{{toctree}}\n:caption: {section}\n:hidden:\n\n" + "\n".join(pages) + "\n```\n"
         for section, pages in SECTIONS.items()
     ]
-    return root_page("README.md") + "\n" + "\n".join(lists)
+    title, _, text = root_page("README.md").partition("\n\n")
+    found = metadata("fretfe")
+    urls = [each.split(", ", 1) for each in found.get_all("Project-URL") or ()]
+    links = [f"[{name}]({url})" for name, url in urls]
+    head = " · ".join([f"Version {found['Version']}", *links])
+    return f"{title}\n\n{head}\n\n{text}\n" + "\n".join(lists)
 
 
 def site_page(text: str) -> str:
@@ -111,6 +118,7 @@ def write(folder: Path) -> None:
         (folder / page.name).write_text(site_page(page.read_text("utf-8")))
     shutil.copytree(DOCS / "images", folder / "images")
     shutil.copytree(ROOT / "demos", folder / "demos")
+    shutil.copytree(DOCS / "reference", folder / "reference")
     for name in ("CHANGELOG.md", "CONTRIBUTING.md"):
         (folder / ROOT_LINKS[name]).write_text(root_page(name))
     for name in ("LICENSE", "LICENSE.GPL"):
