@@ -19,6 +19,13 @@ from typing import Any
 ROOT = Path(__file__).parents[2]
 DEMOS = ROOT / "demos"
 SHOWN = ("hertz", "ellipse", "wedge")
+# Demos that take longer, with pictures that `tools/gallery_pictures.py` has stored.
+STORED = {
+    "dovetail": "A blade root in a dovetail slot under a cyclic pull",
+    "firtree": "A firtree with three pairs of lobes",
+    "sector": "One of 36 sectors of a disc that spins",
+    "submodel": "A fine flank that a coarse run of the dovetail drives",
+}
 HEAD = """# Gallery
 
 Demos that were run when this page was made. Each ends with computed against expected values; one
@@ -97,7 +104,10 @@ def write(source: Path, cache: Path) -> None:
     draw(cache)
     shutil.copytree(cache, source / "gallery")
     pages = [page(name, cache) for name in SHOWN]
-    (source / "gallery.md").write_text("\n".join([HEAD, *pages]))
+    stored = ["## Larger demos\n", "Von Mises stress at the load extremes, from runs before.\n"]
+    for name, title in STORED.items():
+        stored += [f"{title} (`demos/{name}.py`):\n", f"![{title}](images/gallery_{name}.png)\n"]
+    (source / "gallery.md").write_text("\n".join([HEAD, *stored, *pages]))
 
 
 if __name__ == "__main__":
