@@ -23,6 +23,8 @@ VARYING = ("shear", "normal", "bulk", "all")
 BODY, POISSON, PRESS_STEPS = 200.0, 0.3, 4
 # Slope of the profile at a = 1, or more than that: inclined surfaces make K_T by pressing alone.
 SLOPE = 1e-3
+# Part of the histories whose meshes refine themselves, and the most that these have.
+REFINED, UNKNOWNS = 0.4, 15_000
 
 
 @dataclass(frozen=True)
@@ -43,6 +45,7 @@ class IrregularDraw:
         degree: of the displacements; also the order of the geometry.
         growth: of the elements outside of `zone`.
         zone: part of the surface with the smallest elements, over a.
+        tolerance: of a mesh that refines itself in place of one of such elements.
     """
 
     number: int
@@ -58,6 +61,7 @@ class IrregularDraw:
     degree: int
     growth: float
     zone: float
+    tolerance: float | None
 
     @property
     def e_star(self) -> float:
@@ -106,6 +110,7 @@ def draw_irregular(number: int, seed: int) -> IrregularDraw:
         degree=int(random.choice([1, 2], p=[0.4, 0.6])),
         growth=float(random.uniform(0.2, 0.45)),
         zone=float(random.uniform(1.15, 1.6)),
+        tolerance=10 ** random.uniform(-2.2, -1.0) if random.random() < REFINED else None,
     )
 
 
@@ -169,6 +174,8 @@ def irregular_case(one: IrregularDraw) -> dict[str, Any]:
         "loads": drivers,
         "output": {"fields": "none"},
     }
+    if one.tolerance:
+        case["edges"] = {"tolerance": one.tolerance, "unknowns": UNKNOWNS}
     if steps:
         case["cycle"] = {"start": float(times[-1 - steps]), "end": float(times[-1])}
     return case
@@ -178,11 +185,14 @@ def _parameters(one: IrregularDraw) -> dict[str, float]:
     rounded = 1 - one.flat if one.profile == "flat_rounded" else 1.0
     size = rounded / one.per_half_width
     names = ("upper_width", "upper_height", "lower_width", "lower_height")
-    body = {**dict.fromkeys(names, BODY), "zone": one.zone, "growth": one.growth}
+    body = {**dict.fromkeys(names, BODY), "zone": one.zone}
+    even = {"growth": one.growth, "size": size}
     if one.profile == "cylinder":
-        return {**body, "upper_radius": 1 / SLOPE, "lower_radius": 0.0, "size": size}
-    if one.profile == "wedge":
-        return {**body, "angle": math.degrees(math.atan(SLOPE)), "size": size}
-    flat_size = max(size, min(3 * size, 0.3 * one.flat))
-    ends = {"radius": 1 / SLOPE, "edge_size": size, "flat_size": flat_size}
-    return {**body, "flat_half_width": one.flat, **ends}
+        body |= {"upper_radius": 1 / SLOPE, "lower_radius": 0.0}
+    elif one.profile == "wedge":
+        body |= {"angle": math.degrees(math.atan(SLOPE))}
+    else:
+        body |= {"flat_half_width": one.flat, "radius": 1 / SLOPE}
+        flat_size = max(size, min(3 * size, 0.3 * one.flat))
+        even = {"growth": one.growth, "edge_size": size, "flat_size": flat_size}
+    return body if one.tolerance else body | even

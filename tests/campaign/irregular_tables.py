@@ -26,9 +26,12 @@ CLASSES: dict[str, Callable[[IrregularDraw], bool]] = {
     "passed once": lambda one: not one.repeats,
     "degree 1": lambda one: one.degree == 1,
     "degree 2": lambda one: one.degree == 2,
-    f"under {COARSE} elements": lambda one: one.per_half_width < COARSE,
-    f"{COARSE} to {FINE} elements": lambda one: COARSE <= one.per_half_width < FINE,
-    f"over {FINE} elements": lambda one: one.per_half_width >= FINE,
+    "meshes that refine themselves": lambda one: one.tolerance is not None,
+    f"under {COARSE} elements": lambda one: not one.tolerance and one.per_half_width < COARSE,
+    f"{COARSE} to {FINE} elements": lambda one: (
+        not one.tolerance and COARSE <= one.per_half_width < FINE
+    ),
+    f"over {FINE} elements": lambda one: not one.tolerance and one.per_half_width >= FINE,
 }
 
 

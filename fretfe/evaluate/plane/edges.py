@@ -156,7 +156,7 @@ class PlaneEdges(EdgeData):
         """Slip zones by the slip of the nodes, as of `EdgeData.border`."""
         solution, front = self.steps.solution, PLANE_FRONTS[number]
         least = np.where(outer, solution.least_slip, np.inf)
-        degree = 2 if self.factors.exact else solution.degree
+        degree = 0 if self.factors.exact else solution.degree
         return slip_border_of(self.contact, front, position, least, degree, growth)
 
     def shear_share(

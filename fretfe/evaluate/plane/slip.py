@@ -19,8 +19,9 @@ from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 
 # Error of a node of slip^(2/3), as an error of its place in elements: of finite elements, and of
-# averages over the support of a node.
+# averages over the support of a node; and by half-planes, whose averages are put in their places.
 NODAL_ERROR = 0.05
+EXACT_ERROR = 0.03
 # Half-width of the 95 % interval over the estimated error.
 INTERVAL = 2.0
 # Error bar of a border behind few slipping nodes, in elements, times their number to the power of
@@ -45,6 +46,10 @@ LINEAR_ELEMENTS = 1.6
 # small by half of what K_N is too large by, and 5.3 % where the zone reaches far inward.
 LINEAR_BODIES = 0.055
 
+# Means of hat functions nearer to the border than the root of so many variances, .7 of an element,
+# reach beyond it too far.
+FARTHER = 3.0
+
 # Fewer slipping nodes than this leave no two beside the outermost one.
 FEWEST_LAST = 3
 
@@ -52,7 +57,7 @@ FEWEST_LAST = 3
 FEWEST_STUCK = 3
 
 
-def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
+def slip_border(s: Array, slip: Array, slipping: Bools, error: float = NODAL_ERROR) -> SlipBorder:
     """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
 
     |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
@@ -64,6 +69,7 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
         s: distances of the nodes from the edge inward, increasing.
         slip: slip increment since the last reversal (or from zero).
         slipping: whether the node slips.
+        error: of the place of a node, in elements.
     """
     amount, slips = np.abs(slip), slipping.copy()
     trusted = slips.copy()
@@ -81,7 +87,7 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     noise = float(np.sqrt(np.mean(amount[~slips] ** 2)))
     noise = noise if noise > ROUND_OFF * amount.max() else 0.0
     if zone.size > 1:
-        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size)
+        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size, error)
         if abs(border - (high - low) / 2) < 1.5 * size + hidden:
             # Noise hides small slip behind the last node that is known to slip. That node may stand
             # behind the border itself where slip is a mean over the support of each node; few
@@ -92,14 +98,17 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     return SlipBorder(float((low + high) / 2), resolved=False, gross=False, spread=UNSEEN * size)
 
 
-def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, float, float]:
+def _border(
+    s: Array, amount: Array, noise: float, size: float, error: float
+) -> tuple[float, float, float]:
     """Return the place of the border, its error bar, and over what length noise hides the slip.
 
     Args:
         s: (m,) places of slipping nodes, from the border outward, m >= 2.
         amount: (m,) their slip.
         noise: standard deviation of the slip.
-        size: element size.
+        size: element size at the border.
+        error: of the place of a node, in elements around it.
 
     Returns:
         NaN, infinity and 0 if the slip does not fall toward the border.
@@ -120,7 +129,7 @@ def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, 
         s, w, expected = s[clear], w[clear], expected[clear]
         nodes -= int(np.count_nonzero(~clear))
     noisy = 2 / 3 * noise / np.sqrt(np.maximum(expected, (HIDDEN * noise) ** (2 / 3) or 1.0))
-    errors = np.hypot(noisy, NODAL_ERROR * size * slope)
+    errors = np.hypot(noisy, error * np.abs(np.gradient(s)) * slope)
     fits = _zeros(s, w, errors, highest)
     if s.size < COUNTS[0]:  # nothing to compare a line with, but the one without its last node
         place, bar = fits[0, -1, 0], INTERVAL * fits[1, -1, 0]
@@ -171,12 +180,11 @@ def slip_border_of(
         front: one of its fronts.
         position: (T,) of the edge.
         least: (T,) slip of a node beyond which it counts in the step to each state.
-        degree: of the displacements.
+        degree: of the displacements; 0 of half-planes, which are exact.
         growth: gives the growth of the zone of a half cycle.
     """
-    hidden = LINEAR_ELEMENTS if degree == 1 else 0.0
     return lambda start, end: _border_between(
-        contact, front, start, end, float(position[end]), least, hidden, growth(start, end)
+        contact, front, start, end, float(position[end]), least, degree, growth(start, end)
     )
 
 
@@ -187,14 +195,13 @@ def _border_between(
     end: int,
     position: float,
     least: Array,
-    hidden: float,
+    degree: int,
     growth: Growth | None,
 ) -> SlipBorder:
     """Slip zone between two states, from the slip that happened while in contact.
 
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
     the half cycle before: only slip in the direction of the largest slip at this front counts.
-    `hidden` is what the kind of the elements adds to the bar, in elements, if the zone is one long.
     `growth` tells what slip to expect if the zone did not grow steadily.
     """
     closed = contact.status[end] != OPEN
@@ -208,22 +215,22 @@ def _border_between(
     total = (forward - backward)[nearby]
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
-    s, slip = front.distances(contact.surface.arc[closed], position), slip[nodes]
+    centres, variances = (each[closed] for each in _hats(contact.surface.arc))
+    s, slip = front.distances(centres, position), slip[nodes]
     if growth is not None and growth.nothing:
         slip = 0.0 * slip
     moved = _moved(slip)
-    border = slip_border(s, slip, moved)
+    find = partial(slip_border, slipping=moved, error=NODAL_ERROR if degree else EXACT_ERROR)
+    border = find(s, slip)
+    alike = _alike(s, front.from_front(variances), border.length)
+    border = find(alike, slip)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
     size = float(s[place] - s[place - 1])
     if growth is not None:
-
-        def find(stretch: Array) -> SlipBorder:
-            return slip_border(s, slip / stretch, moved)
-
-        border = evened(growth, s, border, find, size)
+        border = evened(growth, s, border, lambda stretch: find(alike, slip / stretch), size)
     border = _as_last_nodes(border, s, slip, moved).held
-    if hidden and border.length > 0:
-        hidden *= size * min(size / border.length, 0.5)
+    if degree == 1 and border.length > 0:
+        hidden = LINEAR_ELEMENTS * size * min(size / border.length, 0.5)
         stiff = LINEAR_BODIES * border.length
         border = replace(border, spread=math.hypot(border.spread, hidden, stiff))
     behind = _slip_behind(moved)
@@ -231,6 +238,33 @@ def _border_between(
         return border
     spread = max(border.spread, float(s[behind]) - border.length)
     return replace(border, resolved=False, spread=spread)
+
+
+def _hats(arc: Array) -> tuple[Array, Array]:
+    """(N,) centres of the hat functions over which slip is a mean, and their variances.
+
+    On uneven meshes the centres are not at the nodes.
+
+    Args:
+        arc: (N,) of the nodes.
+    """
+    before, after = (np.diff(arc, prepend=arc[0]), np.diff(arc, append=arc[-1]))
+    return arc + (after - before) / 3, (before**2 + before * after + after**2) / 18
+
+
+def _alike(s: Array, variances: Array, border: float) -> Array:
+    """(n,) places at which slip is what its means over hat functions are, x^(3/2) from a border.
+
+    They are farther from it: the mean of x^(3/2) is that of the centre times 1 + 3/8 v/x^2.
+
+    Args:
+        s: (n,) distances of the centres from the edge inward.
+        variances: (n,) v.
+        border: distance of the border; NaN without one.
+    """
+    x = border - s
+    inside = x > np.sqrt(FARTHER * variances)
+    return s - np.where(inside, variances / (4 * np.where(inside, x, 1.0)), 0.0)
 
 
 def _moved(slip: Array) -> Bools:
