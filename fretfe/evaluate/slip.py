@@ -173,8 +173,11 @@ def slip_zones(
         end = _longest(start, turn, lengths, station)
         border = find_border(start, end)
         cyclic, loop = _prediction(cycle, friction[end], end, station)
-        if end != turn or (len(lengths) and _swept(cycle, friction[end], end, station, loop)):
+        swept = _swept(cycle, friction[end], end, station, loop)
+        if end != turn or (len(lengths) and swept):
             loop = float(lengths[end - start])
+        elif swept and border.length - border.spread > loop:  # slip that no edge drives
+            border = replace(border, resolved=False, spread=max(border.spread, border.length))
         if worst and not len(cycle):
             cyclic = worst.predicted
         elif not pressed and not len(cycle) and len(lengths) and _moves(station, start, end):

@@ -50,6 +50,10 @@ LINEAR_BODIES = 0.055
 # reach beyond it too far.
 FARTHER = 3.0
 
+# Part of the largest slip of a half cycle from which on the middle of a contact slides. Less is
+# what the way to a steady cycle leaves.
+SLIDES = 0.01
+
 # Fewer slipping nodes than this leave no two beside the outermost one.
 FEWEST_LAST = 3
 
@@ -202,7 +206,9 @@ def _border_between(
 
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
     the half cycle before: only slip in the direction of the largest slip at this front counts.
-    `growth` tells what slip to expect if the zone did not grow steadily.
+    `growth` tells what slip to expect if the zone did not grow steadily, and if none is driven from
+    the edge: nodes that open and close slip all the same. If the middle slides too, that has come
+    from elsewhere, and no length is that of the edge.
     """
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.surface.arc, contact.traction[end, :, 0])
@@ -215,9 +221,12 @@ def _border_between(
     total = (forward - backward)[nearby]
     direction = np.sign(total[np.argmax(np.abs(total))])
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
+    undriven = growth is not None and growth.nothing
+    largest = SLIDES * np.maximum(forward, backward)[nodes].max(initial=0.0)
+    slides = undriven and bool((slip[nearby[-1:]] > largest).any())
     centres, variances = (each[closed] for each in _hats(contact.surface.arc))
     s, slip = front.distances(centres, position), slip[nodes]
-    if growth is not None and growth.nothing:
+    if undriven and not slides:
         slip = 0.0 * slip
     moved = _moved(slip)
     find = partial(slip_border, slipping=moved, error=NODAL_ERROR if degree else EXACT_ERROR)
@@ -236,10 +245,12 @@ def _border_between(
         stiff = LINEAR_BODIES * border.length
         border = replace(border, spread=math.hypot(border.spread, hidden, stiff))
     behind = _slip_behind(moved)
-    if behind is None or border.gross:
+    missed = [] if behind is None else [float(s[behind]) - border.length]
+    if slides:
+        missed.append(border.length)
+    if border.gross or not missed:
         return border
-    spread = max(border.spread, float(s[behind]) - border.length)
-    return replace(border, resolved=False, spread=spread)
+    return replace(border, resolved=False, spread=max(border.spread, *missed))
 
 
 def _hats(arc: Array) -> tuple[Array, Array]:

@@ -14,10 +14,11 @@ from fretfe.caution import Kind
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.cycles import slip_phases
 from fretfe.evaluate.edge_memory import slip_drive
+from fretfe.evaluate.growth import zone_growth
 from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import slip_in_steps, slip_zones
+from fretfe.evaluate.slip import SlipBorder, slip_in_steps, slip_zones
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.surface.contact_surface import ContactSurface
@@ -195,6 +196,45 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     assert not zone.resolved
     # The bar reaches the innermost node that slips.
     assert zone.length + zone.spread >= depth[behind].max() - 1e-12
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize(("slide", "resolved"), [(0.005, True), (0.12, False)])
+def test_half_a_contact_that_slides_though_its_edge_drives_none(
+    side: Side, slide: float, resolved: bool
+) -> None:
+    """A dovetail of 40° on its way to a steady cycle: 0 ± .006 or 4.06 of 4.4 by its mesh."""
+    front = plane_front(side)
+    others = np.where(front.inward * X > 0, slip_to(ZONE), 0.0)
+    here = np.where(CLOSED & (front.inward * X < ZONE), slide * others.max(), 0.0)
+    # P and Q in phase, dK_T < f dK_I
+    at_edge = replace(station(front, X[:STATES] * 0), k_i=np.array([0.0, 0.0, 1.0, 0.0]))
+    growth = zone_growth(at_edge, FRICTION, 1, 3, np.ones(STATES, dtype=bool))
+    assert growth is not None and growth.nothing
+    border = slip_border_of(
+        history(np.array([others, here])),
+        front,
+        at_edge.position,
+        np.zeros(STATES),
+        2,
+        lambda *_: growth,
+    )(1, 3)
+    assert (border.resolved, border.gross) == (resolved, False)
+    lowest, highest = border.length - border.spread, border.length + border.spread
+    # All that slides, or none.
+    assert lowest <= 0.0 and (highest >= EDGE) == (not resolved)
+
+
+@pytest.mark.parametrize(("length", "resolved"), [(0.0205, True), (1.3, False)])
+def test_slip_beyond_the_way_of_an_edge_that_drives_none(length: float, resolved: bool) -> None:
+    """The same where factors of the first states are unknown: nothing is foretold."""
+    k_i = np.array([0.0, 0.01, 0.0, 0.01])
+    at_edge = replace(station(plane_front("left"), 0 * k_i), k_i=k_i)
+    found = SlipBorder(length, resolved=True, gross=False, spread=0.001)
+    zones = slip_zones(np.arange(1, 4), FRICTION, at_edge, lambda *_: found)
+    assert zones[-1].predicted_loop == pytest.approx(0.02)
+    assert zones[-1].resolved == resolved
+    assert resolved or zones[-1].spread >= length
 
 
 @pytest.mark.parametrize(("sticking", "resolved"), [(2, False), (3, True)])
