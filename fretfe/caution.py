@@ -277,8 +277,8 @@ class Kind(StrEnum):
     BODY_SIZE = (
         "body size",
         "bodies are no half-planes",
-        "the size of the bodies changes K_N or ΔK_T by more than a hundredth",
-        "the bodies are too low or too narrow for the width of the contact; use the backend 'fem'",
+        "the size or slope of the bodies changes K_N or ΔK_T by more than a hundredth",
+        "the bodies are too low, too narrow or too steep for the contact; use the backend 'fem'",
     )
     BODY_STRETCH = (
         "body stretch",

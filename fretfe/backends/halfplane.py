@@ -43,16 +43,20 @@ def with_size_errors(summary: Contact, problem: HalfPlaneProblem) -> Contact:
 
 
 def _wider(station: Station, problem: HalfPlaneProblem, k_t: float, length: float) -> Station:
-    """A station with what the size of the bodies does, and what their stretch does to both."""
+    """A station with what size and slope of the bodies do, and what their stretch does to both."""
     parts = station.k_range_parts
     size = problem.k_t_error * station.k_t_range + k_t
     parts = replace(parts, discretisation=parts.discretisation + size)
+    zones = (
+        replace(zone, spread=zone.spread + problem.slip_error * zone.length + length)
+        for zone in station.slip_zones
+    )
     return replace(
         station,
         k_n_spread=station.k_n_spread + problem.k_n_error * station.k_n,
         k_range_spread=parts.total,
         k_range_parts=parts,
-        slip_zones=tuple(replace(zone, spread=zone.spread + length) for zone in station.slip_zones),
+        slip_zones=tuple(zones),
     )
 
 

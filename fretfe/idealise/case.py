@@ -286,11 +286,12 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     reach = float(np.nanmax(np.abs([edges.left, edges.right]))) + layer_reach(problem)
     if block.smallest < SMALLEST_BODY * reach:
         raise NotIdealisable(case, [_too_small(block, reach)])
-    return problem.with_errors(*_errors(case, block, reach)).with_notes(_notes(case, block, reach))
+    errors = (*_errors(case, block, reach), block.slip_error)
+    return problem.with_errors(*errors).with_notes(_notes(case, block, reach))
 
 
 def _errors(case: Case, block: Block, reach: float) -> tuple[float, float]:
-    """Relative errors of K_N and K_T by the size of the bodies and by how they are held.
+    """Relative errors of K_N and K_T by the size and slope of the bodies and how they are held.
 
     A tension sigma0 is sigma0/4 √(a/2) in K_T, and Q is Q/(π √(2 a)).
     """

@@ -45,8 +45,8 @@ class HalfPlaneProblem:
             are straight lines there.
         stretch: bulk tension by a unit of P, as finite bodies stretch by different amounts under
             it; it is left out.
-        k_n_error, k_t_error: relative errors of K_N and K_T to expect because the bodies of the
-            case are finite.
+        k_n_error, k_t_error, slip_error: relative errors of K_N, K_T and slip zones to expect
+            because the bodies of the case are finite and meet at a slope.
         notes: what was assumed, in words.
     """
 
@@ -68,15 +68,16 @@ class HalfPlaneProblem:
     stretch: float = 0.0
     k_n_error: float = 0.0
     k_t_error: float = 0.0
+    slip_error: float = 0.0
     notes: tuple[str, ...] = ()
 
     def with_notes(self, notes: Iterable[str]) -> HalfPlaneProblem:
         """The same problem with other notes."""
         return replace(self, notes=tuple(notes))
 
-    def with_errors(self, k_n: float, k_t: float) -> HalfPlaneProblem:
-        """The same problem with other errors of K_N and K_T."""
-        return replace(self, k_n_error=k_n, k_t_error=k_t)
+    def with_errors(self, k_n: float, k_t: float, slip: float) -> HalfPlaneProblem:
+        """The same problem with other errors of K_N, K_T and slip zones."""
+        return replace(self, k_n_error=k_n, k_t_error=k_t, slip_error=slip)
 
     def divided(self, steps: Indices, shares: Array) -> HalfPlaneProblem:
         """The same problem on a finer clock; see `History.divided`."""

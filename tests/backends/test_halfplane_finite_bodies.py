@@ -9,6 +9,7 @@ from cases.pad_cases import STEEL, cylinder, pad, press
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
 from fretfe.caution import Kind
+from fretfe.idealise import idealise
 from fretfe.quality.validation import summary, validate
 
 HALF_WIDTH = 0.5749
@@ -82,3 +83,26 @@ def test_stretch_matters_as_far_as_p_varies_with_friction() -> None:
     for tables in (unlike, alike):
         result = find_backend("halfplane").solve(parse_case(tables))
         assert STRETCH not in [each.quantity for each in result.limits]
+
+
+# Wedges by degrees, with bodies of 60 to 150 half-widths, by finite elements: what ΔK_T and slip
+# zones, by the direction of slip, are larger by than those of half-planes.
+BY_SLOPE = {3.0: (0.018, 0.040), 6.0: (0.037, 0.068)}
+
+
+@pytest.mark.parametrize("angle", BY_SLOPE)
+def test_surfaces_that_meet_at_a_slope_are_no_planes(angle: float) -> None:
+    """The bars hold it, whatever the size of the bodies."""
+    sizes = dict.fromkeys(("upper_width", "upper_height", "lower_width", "lower_height"), 1e3)
+    case = parse_case(pad(geometry={"template": "wedge", "parameters": {"angle": angle, **sizes}}))
+    k_t, slip = BY_SLOPE[angle]
+    problem = idealise(case)
+    assert problem.k_n_error < 1e-5
+    assert k_t < problem.k_t_error < 1.2 * k_t
+    result = find_backend("halfplane").solve(case)
+    (contact,) = result.contacts
+    for station in contact.stations:
+        assert k_t * station.k_t_range < station.k_range_spread
+        for zone in station.slip_zones:
+            assert slip * zone.length < zone.spread < 1.4 * slip * zone.length
+    assert Kind.BODY_SIZE in {each.kind for each in contact.warnings}
