@@ -105,6 +105,18 @@ template <class T> struct Blocks {
 constexpr char left = 'L', right = 'R', lower = 'L', upper = 'U', plain = 'N', transposed = 'T',
                unit = 'U', own = 'N';
 
+/// Adds op(A) B to C, of `rows` rows, for some vectors B of `inner` rows; C counts `before` times.
+void add_product(const char *as, int rows, int width, int inner, const double *a, int stride,
+                 const double *b, int deep, double before, double *c, int high) {
+  const auto &blas = routines<double>();
+  const double plus = 1;
+  const int one = 1, &first = *as == plain ? rows : inner, &second = *as == plain ? inner : rows;
+  if (width == 1) // faster than a product of matrices
+    blas.gemv(as, &first, &second, &plus, a, &stride, b, &one, &before, c, &one);
+  else
+    blas.gemm(as, &plain, &rows, &width, &inner, &plus, a, &stride, b, &deep, &before, c, &high);
+}
+
 template <class T> struct Factors : Blocks<T> {
   int *pivots;
 
@@ -235,7 +247,11 @@ void multiply_symmetric(const double *matrix, const double *x, double *y, std::s
   const std::size_t count = (n + tile - 1) / tile;
   const auto &blas = routines<double>();
   const int one = 1, stride = static_cast<int>(n);
-  const double plus = 1;
+  const double plus = 1, zero = 0;
+  if (allowed_threads == 1) { // each entry is read once, not once from memory and once nearby
+    blas.symv(&upper, &stride, &plus, matrix, &stride, x, &one, &zero, y, &one);
+    return;
+  }
   std::vector<std::vector<double>> sums(count);
   for_each(count, [&](std::size_t number) {
     const std::size_t own_tile = count - 1 - number, begin = own_tile * tile; // the longest first
@@ -243,11 +259,10 @@ void multiply_symmetric(const double *matrix, const double *x, double *y, std::s
     std::vector<double> sum(begin + width, 0.0);
     for (std::size_t row = 0; row < begin; row += tile) {
       const double *values = matrix + begin * n + row;
-      const int height = tile;
-      blas.gemm(&transposed, &plain, &width, &one, &height, &plus, values, &stride, x + row,
-                &height, &plus, sum.data() + begin, &width);
-      blas.gemm(&plain, &plain, &height, &one, &width, &plus, values, &stride, x + begin, &width,
-                &plus, sum.data() + row, &height);
+      add_product(&transposed, width, 1, tile, values, stride, x + row, tile, 1.0,
+                  sum.data() + begin, width);
+      add_product(&plain, tile, 1, width, values, stride, x + begin, width, 1.0, sum.data() + row,
+                  tile);
     }
     blas.symv(&upper, &width, &plus, matrix + begin * n + begin, &stride, x + begin, &one, &plus,
               sum.data() + begin, &one);
@@ -261,15 +276,13 @@ void multiply_symmetric(const double *matrix, const double *x, double *y, std::s
 
 void multiply(const Matrix &matrix, const double *vectors, std::size_t count, double *found) {
   const int inner = static_cast<int>(matrix.columns), width = static_cast<int>(count);
-  const int stride = static_cast<int>(matrix.stride), rows = static_cast<int>(matrix.rows);
-  const int deep = std::max(inner, 1);
-  const double one = 1, zero = 0;
   for_each((matrix.rows + tile - 1) / tile, [&](std::size_t number) {
     const std::size_t begin = number * tile;
     const int height = static_cast<int>(std::min<std::size_t>(tile, matrix.rows - begin));
     const double *values = matrix.values + begin * (matrix.by_rows ? matrix.stride : 1);
-    routines<double>().gemm(matrix.by_rows ? &transposed : &plain, &plain, &height, &width, &inner,
-                            &one, values, &stride, vectors, &deep, &zero, found + begin, &rows);
+    add_product(matrix.by_rows ? &transposed : &plain, height, width, inner, values,
+                static_cast<int>(matrix.stride), vectors, std::max(inner, 1), 0.0, found + begin,
+                static_cast<int>(matrix.rows));
   });
 }
 
@@ -291,8 +304,8 @@ void multiply_triangle(const Matrix &matrix, bool transpose, const double *vecto
     const auto &blas = routines<double>();
     blas.trmm(&left, &upper, as, &own, &height, &width, &plus,
               matrix.values + begin + begin * stride, &apart, found + begin, &length);
-    blas.gemm(as, &plain, &height, &width, &inner, &plus, rest, &apart, vectors + first, &length,
-              &plus, found + begin, &length);
+    add_product(as, height, width, inner, rest, apart, vectors + first, length, 1.0, found + begin,
+                length);
   });
 }
 

@@ -2,9 +2,10 @@
 // Factors and products of large dense matrices on several threads.
 //
 // A matrix is worked on by blocks whose bounds and order of operations do not depend on the number
-// of threads, so that results do not either. Each block is left to one thread of the BLAS. Threads
-// take the next block once they have one done, and sleep while there is none: where other processes
-// want the same cores, threads that wait for one another in the middle of a product lose far more.
+// of threads, so that results do not either, but for the round-off of symmetric products. Each
+// block is left to one thread of the BLAS. Threads take the next block once they have one done, and
+// sleep while there is none: where other processes want the same cores, threads that wait for one
+// another in the middle of a product lose far more.
 #pragma once
 
 #include <cstddef>
@@ -17,6 +18,8 @@ namespace fretfe::dense {
 template <class T> struct Routines {
   void (*gemm)(const char *, const char *, const int *, const int *, const int *, const T *,
                const T *, const int *, const T *, const int *, const T *, T *, const int *);
+  void (*gemv)(const char *, const int *, const int *, const T *, const T *, const int *, const T *,
+               const int *, const T *, T *, const int *);
   void (*syrk)(const char *, const char *, const int *, const int *, const T *, const T *,
                const int *, const T *, T *, const int *);
   void (*trsm)(const char *, const char *, const char *, const char *, const int *, const int *,

@@ -71,9 +71,9 @@ void gather(Table matrix, Numbers rows, Numbers columns,
 /// Tells routines of BLAS and LAPACK by their addresses, in the order of their table.
 template <class T> void use_routines(const std::vector<std::uintptr_t> &addresses) {
   auto &known = fretfe::dense::routines<T>();
-  static_assert(sizeof(known) == 8 * sizeof(std::uintptr_t));
-  if (addresses.size() != 8)
-    throw nb::value_error("the table has 8 routines");
+  static_assert(sizeof(known) == 9 * sizeof(std::uintptr_t));
+  if (addresses.size() != 9)
+    throw nb::value_error("the table has 9 routines");
   std::memcpy(&known, addresses.data(), sizeof(known));
 }
 
@@ -148,10 +148,10 @@ void bind_dense(nb::module_ &m) {
         use_routines<double>(twice);
       },
       "single"_a, "double"_a,
-      "Tell the addresses of gemm, syrk, trsm, trmm, symv, getrf, potrf, trtri of both "
+      "Tell the addresses of gemm, gemv, syrk, trsm, trmm, symv, getrf, potrf, trtri of both "
       "precisions.");
   m.def("use_threads", &dense::use_threads, "count"_a,
-        "Set how many threads work on large matrices; results do not depend on it.");
+        "Set how many threads work on large matrices; results differ by round-off at most.");
   m.def("factorise", &factorise<float>, nb::arg("matrix").noconvert(),
         nb::arg("pivots").noconvert(), factorises);
   m.def("factorise", &factorise<double>, nb::arg("matrix").noconvert(),

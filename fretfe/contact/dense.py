@@ -2,8 +2,8 @@
 """Large dense matrices, worked on by as many cores as the run has.
 
 The interface lies in one process. Its matrices are factorised and multiplied block by block, each
-block by one thread of the BLAS that SciPy has; the numbers of the result do not depend on how many
-threads there are. The threads of a BLAS itself would wait for one another in the middle of a
+block by one thread of the BLAS that SciPy has; the result does not depend on how many threads there
+are, but for the round-off of symmetric products. The threads of a BLAS itself would wait for one another in the middle of a
 product, for very long where others want the same cores.
 """
 
@@ -22,7 +22,7 @@ from fretfe._typing import Array, Indices
 
 # In the order of the table of the extension.
 ROUTINES: tuple[tuple[Mapping[str, Any], tuple[str, ...]], ...] = (
-    (cython_blas.__pyx_capi__, ("gemm", "syrk", "trsm", "trmm", "symv")),
+    (cython_blas.__pyx_capi__, ("gemm", "gemv", "syrk", "trsm", "trmm", "symv")),
     (cython_lapack.__pyx_capi__, ("getrf", "potrf", "trtri")),
 )
 

@@ -221,7 +221,7 @@ class MatrixSystem:
 
     def apply(self, vector: Array) -> Array:
         """(k,) the matrix times a vector (k,)."""
-        return np.asarray(self.known @ vector)
+        return dense.multiply(self.known, vector[:, None])[:, 0]
 
 
 # Solves a system about as another one does: (k, J) for right-hand sides (k, J).

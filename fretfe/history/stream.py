@@ -375,7 +375,9 @@ def write_checkpoint(directory: Path, checkpoint: Checkpoint) -> None:
     data = file.getvalue()
     last = directory / CHECKPOINT
     with writing(last, "the states of the history"), replacing(last) as new:
-        new.write_bytes(data + sha256(data).digest())
+        with new.open("wb") as out:
+            out.write(data)
+            out.write(sha256(data).digest())
         if last.exists():
             last.replace(directory / BEFORE)
 

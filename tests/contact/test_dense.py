@@ -95,7 +95,6 @@ def test_results_do_not_depend_on_the_number_of_threads() -> None:
         return [
             dense.factorise(np.array(matrix, order="F"))[0],
             dense.invert_triangle(np.array(matrix, order="F")),
-            dense.multiply_symmetric(matrix, matrix[0]),
             dense.multiply(matrix, matrix[:, :2]),
         ]
 
