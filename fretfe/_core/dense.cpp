@@ -105,15 +105,18 @@ template <class T> struct Blocks {
 constexpr char left = 'L', right = 'R', lower = 'L', upper = 'U', plain = 'N', transposed = 'T',
                unit = 'U', own = 'N';
 
-/// Adds op(A) B to C, of `rows` rows, for some vectors B of `inner` rows; C counts `before` times.
+/// Adds op(A) B to C, of `rows` rows, for some vectors B of `inner` rows; C counts `before` times,
+/// 0 or 1.
 void add_product(const char *as, int rows, int width, int inner, const double *a, int stride,
                  const double *b, int deep, double before, double *c, int high) {
   const auto &blas = routines<double>();
   const double plus = 1;
   const int one = 1, &first = *as == plain ? rows : inner, &second = *as == plain ? inner : rows;
-  if (width == 1) // faster than a product of matrices
-    blas.gemv(as, &first, &second, &plus, a, &stride, b, &one, &before, c, &one);
-  else
+  if (width == 1) {  // faster than a product of matrices
+    if (before == 0) // by itself it leaves C alone without columns, and NaN in it at all times
+      std::fill_n(c, rows, 0.0);
+    blas.gemv(as, &first, &second, &plus, a, &stride, b, &one, &plus, c, &one);
+  } else
     blas.gemm(as, &plain, &rows, &width, &inner, &plus, a, &stride, b, &deep, &before, c, &high);
 }
 
@@ -247,9 +250,10 @@ void multiply_symmetric(const double *matrix, const double *x, double *y, std::s
   const std::size_t count = (n + tile - 1) / tile;
   const auto &blas = routines<double>();
   const int one = 1, stride = static_cast<int>(n);
-  const double plus = 1, zero = 0;
+  const double plus = 1;
   if (allowed_threads == 1) { // each entry is read once, not once from memory and once nearby
-    blas.symv(&upper, &stride, &plus, matrix, &stride, x, &one, &zero, y, &one);
+    std::fill_n(y, n, 0.0);
+    blas.symv(&upper, &stride, &plus, matrix, &stride, x, &one, &plus, y, &one);
     return;
   }
   std::vector<std::vector<double>> sums(count);

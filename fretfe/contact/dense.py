@@ -3,8 +3,8 @@
 
 The interface lies in one process. Its matrices are factorised and multiplied block by block, each
 block by one thread of the BLAS that SciPy has; the result does not depend on how many threads there
-are, but for the round-off of symmetric products. The threads of a BLAS itself would wait for one another in the middle of a
-product, for very long where others want the same cores.
+are, but for the round-off of symmetric products. The threads of a BLAS itself would wait for one
+another in the middle of a product, for very long where others want the same cores.
 """
 
 from __future__ import annotations

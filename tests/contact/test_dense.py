@@ -87,6 +87,21 @@ def test_products_are_those_of_numpy(size: int, threads: int) -> None:
     np.testing.assert_array_equal(found, matrix[np.ix_(rows, columns)])
 
 
+@pytest.mark.parametrize("size", [0, 1, 300])
+@pytest.mark.parametrize("width", [1, 2])
+def test_nothing_stays_of_what_was_in_memory_before(
+    size: int, width: int, threads: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Routines for vectors leave it where there are no columns; 0 times NaN is NaN."""
+    matrix, vectors = positive(size), random(size, width)
+    none, products = np.zeros((7, 0)), matrix @ vectors
+    monkeypatch.setattr(np, "empty", lambda shape, order="C": np.full(shape, np.nan, order=order))
+    assert (dense.multiply(none, np.zeros((0, width))) == 0.0).all()
+    np.testing.assert_allclose(dense.multiply(matrix, vectors), products, atol=1e-11)
+    symmetric = dense.multiply_symmetric(matrix, vectors[:, 0])
+    np.testing.assert_allclose(symmetric, products[:, 0], atol=1e-11)
+
+
 def test_results_do_not_depend_on_the_number_of_threads() -> None:
     """A run on more ranks gives the same numbers."""
 
