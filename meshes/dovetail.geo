@@ -130,6 +130,14 @@ least = Max(upper_radius, lower_radius) * Sin(touch) + flank_size;
 If (overhang < least)
   Error("overhang: expected at least %.6g (the flat of the disc must cover the candidate contact on the larger rounding), found %g", least, overhang); wrong = 1;
 EndIf
+most = 0.8 * touch * upper_radius;
+If (upper_front > most)
+  Error("upper_front: expected at most %.6g (eight tenths of the candidate contact on the rounding), found %g", most, upper_front); wrong = 1;
+EndIf
+most = 0.8 * touch * lower_radius;
+If (lower_front > most)
+  Error("lower_front: expected at most %.6g (eight tenths of the candidate contact on the rounding), found %g", most, lower_front); wrong = 1;
+EndIf
 most = Min(0.9 * touch * upper_radius - upper_front, 0.9 * touch * lower_radius - lower_front);
 most = Min(most, 0.45 * flank_length);
 If (edge_zone > most)

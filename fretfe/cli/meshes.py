@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
 # Seconds from which on a run is long, and part of them that makes more processes worth a line.
-LONG = 60.0
+LONG_RUN = 60.0
 SAVED = 0.25
 CHECK_EXAMPLES = examples(
     "fretfe check pad.toml",
@@ -165,7 +165,7 @@ def _print_on_ranks(checked: Checked, asked: int | None) -> None:
     """Print what a run takes on so many processes; by itself on all cores, if that pays."""
     alone, ranks = checked.cost, asked or idle_cores() + 1
     several = checked.cost_on(ranks)
-    pays = alone.seconds > LONG and several.seconds < (1 - SAVED) * alone.seconds
+    pays = alone.seconds > LONG_RUN and several.seconds < (1 - SAVED) * alone.seconds
     if ranks > 1 and (asked or pays):
         print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}")
 

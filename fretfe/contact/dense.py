@@ -28,7 +28,7 @@ ROUTINES: tuple[tuple[Mapping[str, Any], tuple[str, ...]], ...] = (
 
 
 def _addresses(precision: str) -> list[int]:
-    """Where SciPy's routines are, which it tells in capsules for compiled code."""
+    """Addresses of SciPy's routines, which it tells in capsules for compiled code."""
     api = ctypes.pythonapi
     name = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(("PyCapsule_GetName", api))
     pointer = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(

@@ -17,7 +17,7 @@ from fretfe._typing import Array, Indices
 from fretfe.contact import dense
 
 # Room for rows that is made at a time, over those that are needed.
-SPARE = 1.5
+ROOM_AHEAD = 1.5
 # Rows of M that are taken at a time: they stay in the processor's cache from one use to the next.
 ROWS = 64
 # Systems of fewer unknowns are factorised as fast as iterations start.
@@ -168,7 +168,7 @@ class InverseRows:
         self._units = np.concatenate([self._units, components])
         self._sizes = np.concatenate([self._sizes, np.zeros(len(components), dtype=np.int64)])
         if len(self._sizes) > len(self._rows):
-            room = np.zeros((int(SPARE * len(self._sizes)), self._inverse.size))
+            room = np.zeros((int(ROOM_AHEAD * len(self._sizes)), self._inverse.size))
             room[:count] = self._rows[:count]
             self._rows = room
 

@@ -160,7 +160,8 @@ class Assessment:
     def keeps(self, margin: float) -> bool:
         """True if every edge of all results is judged, and has this margin at least."""
         governing = [each.governing for one in (self, *self.others) for each in one.edges]
-        return all(each is not None and each.margin >= margin for each in governing)
+        judged = bool(governing) and all(one.edges for one in (self, *self.others))
+        return judged and all(each is not None and each.margin >= margin for each in governing)
 
     @property
     def frictions(self) -> tuple[float, float]:

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 from fretfe.decision.end_parts import EndPart
 from fretfe.decision.field import EdgeField
-from fretfe.decision.station_field import BothFields, station_fields, worst_stations
+from fretfe.decision.station_field import BothFields, station_fields
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.results.model import Result
 
@@ -23,7 +23,7 @@ class FrontStations:
     Attributes:
         front: of the run.
         body: 0 or 1.
-        judged: those with the largest stress, with that or why it is not known.
+        judged: those with their stress, or the first one with the reason why none is known.
         lost: numbers of the stations of the run that are not judged, with the reason.
     """
 
@@ -46,31 +46,28 @@ def along_fronts(
     at_ends = [(each, _at_end(each)) for each in parts if each.stations]
     replaced = {(each.end.front.name, key) for each, _ in at_ends for key in each.replaced}
     own = {(each.front, each.number) for each in contact.stations} - replaced
-    run = _Worst.of(result, contact, own)
+    run = _Judged.of(result, contact, own)
     for front in contact.fronts:
         for body in (0, 1):
             found = run.along(front, body)
-            for part, worst in at_ends:
+            for part, stations in at_ends:
                 if part.end.front is front:
-                    found = _with_end(found, part, worst.along(part.own.front, body))
+                    found = _with_end(found, part, stations.along(part.own.front, body))
             yield found
 
 
 @dataclass(frozen=True)
-class _Worst:
-    """The worst of some stations of a contact, as of `worst_stations`, and the stress at these."""
+class _Judged:
+    """Some stations of a contact, by names of fronts and numbers, with the stress there."""
 
     only: Collection[tuple[str, int]]
-    chosen: dict[tuple[str, int], list[int]]
     fields: dict[tuple[str, int], BothFields]
 
     @classmethod
-    def of(cls, result: Result, contact: Contact, only: Collection[tuple[str, int]]) -> _Worst:
-        """Those of some stations, by the names of their fronts and their numbers."""
-        chosen = worst_stations(result, contact, only)
-        wanted = {(front, key) for (front, _), own in chosen.items() for key in own}
-        found = station_fields(result, contact, wanted)
-        return cls(only, chosen, {(each.front, each.number): fields for each, fields in found})
+    def of(cls, result: Result, contact: Contact, only: Collection[tuple[str, int]]) -> _Judged:
+        """Those whose stress is told, or why it is not known."""
+        found = station_fields(result, contact, only)
+        return cls(only, {(each.front, each.number): fields for each, fields in found})
 
     def along(self, front: Front, body: int) -> FrontStations:
         """Those of one front and body; the first station where nothing is known."""
@@ -80,13 +77,13 @@ class _Worst:
             if (front.name, each.number) in self.fields
         }
         lost = {key: field for key, (_, field) in own.items() if isinstance(field, str)}
-        first = [key for key in lost if (front.name, key) in self.only][:1]
-        chosen = self.chosen.get((front.name, body), first)
-        return FrontStations(front, body, {("", key): own[key] for key in chosen}, lost)
+        mine = [key for key in own if (front.name, key) in self.only]
+        known = [key for key in mine if key not in lost] or mine[:1]
+        return FrontStations(front, body, {("", key): own[key] for key in known}, lost)
 
 
-def _at_end(part: EndPart) -> _Worst:
-    return _Worst.of(
+def _at_end(part: EndPart) -> _Judged:
+    return _Judged.of(
         part.result, part.own.contact, {(part.own.front.name, key) for key in part.stations}
     )
 

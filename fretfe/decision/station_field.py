@@ -16,9 +16,8 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
-from fretfe._typing import Array
 from fretfe.case import isotropic
-from fretfe.decision.field import SHALLOW, EdgeField, NearField, SmoothStress, deep_rows
+from fretfe.decision.field import EdgeField, NearField, SmoothStress, deep_rows
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
@@ -183,46 +182,3 @@ def _field(
         return smooth
     edge = f"{station.front}.{station.number}"
     return EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth)
-
-
-def worst_stations(
-    result: Result, contact: Contact, only: Collection[tuple[str, int]]
-) -> dict[tuple[str, int], list[int]]:
-    """Stations with the largest stress of each front in body 0 and 1, at most two; none if unknown.
-
-    By the stress of elements, at the smallest depth at which that is used: those of the largest
-    tension along the surface times its range, and of the largest von Mises stress of the deviation
-    from the mean of the cycle.
-
-    Args:
-        result: of solids.
-        contact: of it.
-        only: fronts and numbers of the stations that may be chosen.
-    """
-    found: dict[tuple[str, int], list[int]] = {}
-    pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
-    if not contact.stations or _obstacle(result, pair):
-        return found
-    stress = result.station_stress(contact.pair)
-    for front in contact.fronts:
-        known = [each for each in front.stations if _key(each) in only and not _lack(each, stress)]
-        for body in (0, 1) if known else ():
-            values = []
-            for each in known:
-                deep = int(np.searchsorted(stress.depths, SHALLOW * each.size))
-                row = stress.row(*_key(each))
-                assert row is not None
-                values.append(stress.stress[body, row, :, min(deep, len(stress.depths) - 1)])
-            worst = {known[int(np.argmax(each))].number for each in _severity(np.array(values))}
-            found[front.name, body] = sorted(worst)
-    return found
-
-
-def _severity(stress: Array) -> tuple[Array, Array]:
-    """(S,) tension times its range, and square of von Mises, of stresses (S, n, X, 6)."""
-    along = stress[..., 0]
-    tension = np.nanmax(np.maximum(along.max(axis=1), 0.0) * np.ptp(along, axis=1), axis=1)
-    varied = stress - stress.mean(axis=1, keepdims=True)
-    varied[..., :3] -= varied[..., :3].mean(axis=3, keepdims=True)
-    squares = np.sum(varied[..., :3] ** 2, axis=3) + 2 * np.sum(varied[..., 3:] ** 2, axis=3)
-    return tension, np.nanmax(squares, axis=(1, 2))

@@ -277,7 +277,8 @@ def _largest(
             continue
         for place, (value, was, scale) in enumerate(zip(new.values, old, new.scales, strict=True)):
             difference = abs(value - was)
-            change = difference / scale if difference else 0.0
+            # Without a scale, as K_N is unknown and K_T vanishes, nothing tells how much it is.
+            change = 0.0 if not difference else difference / scale if scale else math.nan
             quantity = KINDS[min(place, 2)]
             found = Change(new.contact, new.front, quantity, new.number, value, change)
             key = new.contact, new.front, quantity

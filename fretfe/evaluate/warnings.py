@@ -21,7 +21,6 @@ from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.slip import cycle_states
-from fretfe.evaluate.space.pressure_fit import COARSE
 from fretfe.evaluate.verdicts import no_range, withheld
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
@@ -136,6 +135,9 @@ def _too_coarse(station: Station) -> str:
     """Elements across a front of solids that would tell its K_N, in words; empty if these do."""
     k_n, spread = station.decisive_k_n
     bar = spread / k_n if k_n > 0 else math.nan
+    # Imported where it is needed: SciPy's interpolation takes a second.
+    from fretfe.evaluate.space.pressure_fit import COARSE
+
     by_elements = COARSE * (station.size / float(np.fmin(station.length, station.depth))) ** 2
     if not LARGEST_COARSE < bar < by_elements / COARSE_SHARE:
         return ""

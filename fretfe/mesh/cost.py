@@ -106,7 +106,7 @@ FEWER_TRACTIONS = {
 
 @dataclass(frozen=True)
 class Amount:
-    """What is solved and written with a model.
+    """Amount of what is solved and written with a model.
 
     Attributes:
         steps: of the load history, those of cycles that are likely to be added among them; those

@@ -484,7 +484,7 @@ def _power(*levels: tuple[Array, Array], length: float) -> tuple[float, float]:
 
 
 def _grows_on_end(name: str, fine: Rows, coarse: Rows) -> bool:
-    """Whether a stress on the end itself grows as elements become shorter along the front."""
+    """True if a stress on the end itself grows as elements become shorter along the front."""
     (one, *_), (other, *_) = getattr(fine, name), getattr(coarse, name)
     if not min(one, other) > 0:
         return False

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
 from dataclasses import replace
 from pathlib import Path
 
@@ -67,17 +66,6 @@ def assessed(
     )  # fmt: skip
     run, own = whole(), part()
 
-    def chosen(
-        _: Result, contact: Contact, only: Collection[tuple[str, int]]
-    ) -> dict[tuple[str, int], list[int]]:
-        (front,) = contact.fronts
-        inside = [
-            each.number
-            for each in front.stations
-            if not each.end and ("front 1", each.number) in only
-        ]
-        return {("front 1", body): inside[:1] for body in (0, 1)}
-
     def fields(result: Result, contact: Contact, _: object) -> object:
         stress = part_stress if result is own else 124.0
         for each in contact.stations:
@@ -87,7 +75,6 @@ def assessed(
             else:
                 yield each, (field(each, reason, 0), field(each, reason, 1))
 
-    monkeypatch.setattr(module, "worst_stations", chosen)
     monkeypatch.setattr(module, "station_fields", fields)
     monkeypatch.setattr(ends, "read_answers", lambda _: [answer])
     monkeypatch.setattr(ends, "load_result", lambda _: own)

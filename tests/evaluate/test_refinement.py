@@ -261,6 +261,7 @@ def test_patches_that_swap_their_numbers_are_compared_by_place() -> None:
         (edge(10.0, 2.0, 0.5), (0, 0, 0.2)),
         (edge(10.0, 2.0), (math.inf,) * 3),  # the zone is gone
         (edge(math.nan, 2.0, 0.4), (math.inf, 0, 0)),
+        (edge(math.nan, 0.0, 0.4), (math.inf, math.inf, 0)),  # nothing to compare K_T with
     ],
 )
 def test_changes(after: StationValues, changes: tuple[float, float, float]) -> None:

@@ -48,7 +48,7 @@ LINEAR_BODIES = 0.055
 
 # Means of hat functions nearer to the border than the root of so many variances, .7 of an element,
 # reach beyond it too far.
-FARTHER = 3.0
+OUTSIDE_HAT = 3.0
 
 # Part of the largest slip of a half cycle from which on the middle of a contact slides. Less is
 # what the way to a steady cycle leaves.
@@ -276,7 +276,7 @@ def _alike(s: Array, variances: Array, border: float) -> Array:
         border: distance of the border; NaN without one.
     """
     x = border - s
-    inside = x > np.sqrt(FARTHER * variances)
+    inside = x > np.sqrt(OUTSIDE_HAT * variances)
     return s - np.where(inside, variances / (4 * np.where(inside, x, 1.0)), 0.0)
 
 
