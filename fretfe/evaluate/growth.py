@@ -39,6 +39,8 @@ UNSURE = 0.2
 FEWEST = 4.0
 # Growth other than the loads tell has to leave an error bar so many times as small.
 CLEARLY = 3.0
+# Points, in standard deviations, and weights of a mean by three.
+MEAN = ((-math.sqrt(3), 1 / 6), (0.0, 2 / 3), (math.sqrt(3), 1 / 6))
 # A shape within so much of (D - y)^(3/2) is that.
 EVEN = 0.05
 
@@ -131,15 +133,21 @@ class Growth:
         """(m,) the drive while the zone ended at each depth or farther inward."""
         return np.asarray(np.cumsum(self.rate[::-1])[::-1])
 
-    def stretch(self, share: Array) -> Array:
+    def stretch(self, share: Array, deviation: Array | float = 0.0) -> Array:
         """(n,) |slip|^(2/3) over that of a zone that grew steadily, but for a factor.
 
         Args:
             share: (n,) places as parts of the length of the zone from the edge inward.
+            deviation: (n,) standard deviations of weights with these centres over which both are
+                means, in the same parts.
         """
-        y = self.edge + np.clip(share, 0.0, 1.0 - TIP) * (self.border - self.edge)
-        slip = np.sqrt(np.maximum(self.depth - y[:, None], 0.0)) @ self.rate
-        found = slip ** (2 / 3) / (self.border - y)
+        slip, steady = np.zeros(len(share)), np.zeros(len(share))
+        for point, weight in MEAN:
+            part = np.clip(share, 0.0, 1.0 - TIP) + point * deviation
+            y = self.edge + part * (self.border - self.edge)
+            slip += weight * np.sqrt(np.maximum(self.depth - y[:, None], 0.0)) @ self.rate
+            steady += weight * np.maximum(self.border - y, 0.0) ** 1.5
+        found = (slip / steady) ** (2 / 3)
         return np.asarray(found / found.mean())
 
 
@@ -195,6 +203,7 @@ def evened(
     border: SlipBorder,
     find: Callable[[Array], SlipBorder],
     size: float,
+    deviation: Array | float = 0.0,
 ) -> SlipBorder:
     """Border of a zone that need not have grown steadily.
 
@@ -209,6 +218,7 @@ def evened(
         border: as if the zone had grown steadily.
         find: gives the border if slip is divided by factors (n,).
         size: of the elements at the border.
+        deviation: (n,) as of `Growth.stretch`, as a length.
     """
     if border.gross or not border.length > 0:
         return border
@@ -224,7 +234,7 @@ def evened(
         missed = min(abs(border.length - each.length) for each in versions)
         spread = math.hypot(border.spread, apart, missed)
         return replace(border, spread=spread, beyond=jump * border.length)
-    found = [border, *(_settled(each, s, border, find) for each in versions)]
+    found = [border, *(_settled(each, s, border, find, deviation) for each in versions)]
     straight = [each.spread * (weight if each is border else 1.0) for each in found]
     number = int(np.argmin(straight))
     best = found[number]
@@ -237,12 +247,17 @@ def evened(
 
 
 def _settled(
-    growth: Growth, s: Array, border: SlipBorder, find: Callable[[Array], SlipBorder]
+    growth: Growth,
+    s: Array,
+    border: SlipBorder,
+    find: Callable[[Array], SlipBorder],
+    deviation: Array | float,
 ) -> SlipBorder:
     """Border with the shape by the border of the time before; arguments as of `evened`."""
     before = border
     for _ in range(PASSES):
-        before, border = border, find(growth.stretch(s / border.length) ** 1.5)
+        stretch = growth.stretch(s / border.length, deviation / border.length)
+        before, border = border, find(stretch**1.5)
         if border.gross or not border.resolved or not border.length > 0:
             return replace(before, spread=math.inf)
     return replace(border, spread=math.hypot(border.spread, border.length - before.length))

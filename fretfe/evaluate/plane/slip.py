@@ -231,12 +231,20 @@ def _border_between(
     moved = _moved(slip)
     find = partial(slip_border, slipping=moved, error=NODAL_ERROR if degree else EXACT_ERROR)
     border = find(s, slip)
-    alike = _alike(s, front.from_front(variances), border.length)
+    variances = front.from_front(variances)
+    alike = _alike(s, variances, border.length)
     border = find(alike, slip)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
     size = float(s[place] - s[place - 1])
     if growth is not None:
-        border = evened(growth, s, border, lambda stretch: find(alike, slip / stretch), size)
+        border = evened(
+            growth,
+            s,
+            border,
+            lambda stretch: find(alike, slip / stretch),
+            size,
+            np.sqrt(variances),
+        )
     border = _as_last_nodes(border, s, slip, moved).held
     if degree and border.length > 0:  # few large elements in front of a kink: up to .28 of one off
         border = replace(border, spread=max(border.spread, size / math.sqrt(12)))
