@@ -207,8 +207,8 @@ def _border_between(
     K_T may reverse between two steps, so that the first step of a half cycle still holds slip of
     the half cycle before: only slip in the direction of the largest slip at this front counts.
     `growth` tells what slip to expect if the zone did not grow steadily, and if none is driven from
-    the edge: nodes that open and close slip all the same. If the middle slides too, that has come
-    from elsewhere, and no length is that of the edge.
+    the edge: nodes that open and close slip all the same. If the middle slides too, or all does,
+    that has come from elsewhere, and no length is that of the edge.
     """
     closed = contact.status[end] != OPEN
     patch = main_patch(contact.surface.arc, contact.traction[end, :, 0])
@@ -223,12 +223,13 @@ def _border_between(
     slip = {1.0: forward, -1.0: backward}.get(direction, np.zeros_like(forward))
     undriven = growth is not None and growth.nothing
     largest = SLIDES * np.maximum(forward, backward)[nodes].max(initial=0.0)
-    slides = undriven and bool((slip[nearby[-1:]] > largest).any())
+    middle = slip[nearby[-1:]]
     centres, variances = (each[closed] for each in _hats(contact.surface.arc))
     s, slip = front.distances(centres, position), slip[nodes]
-    if undriven and not slides:
-        slip = 0.0 * slip
     moved = _moved(slip)
+    slides = undriven and bool((middle > largest).any() or moved.all())
+    if undriven and not slides:
+        slip, moved = 0.0 * slip, np.zeros_like(moved)
     find = partial(slip_border, slipping=moved, error=NODAL_ERROR if degree else EXACT_ERROR)
     border = find(s, slip)
     variances = front.from_front(variances)

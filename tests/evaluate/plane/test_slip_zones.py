@@ -198,6 +198,15 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
     assert zone.length + zone.spread >= depth[behind].max() - 1e-12
 
 
+def border_that_is_not_driven(front: PlaneFront, increments: np.ndarray) -> SlipBorder:
+    """As P and Q rise together: dK_T < f dK_I."""
+    at_edge = replace(station(front, X[:STATES] * 0), k_i=np.array([0.0, 0.0, 1.0, 0.0]))
+    growth = zone_growth(at_edge, FRICTION, 1, 3, np.ones(STATES, dtype=bool))
+    assert growth is not None and growth.nothing
+    contact, least = history(increments), np.zeros(STATES)
+    return slip_border_of(contact, front, at_edge.position, least, 2, lambda *_: growth)(1, 3)
+
+
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize(("slide", "resolved"), [(0.005, True), (0.12, False)])
 def test_half_a_contact_that_slides_though_its_edge_drives_none(
@@ -207,22 +216,22 @@ def test_half_a_contact_that_slides_though_its_edge_drives_none(
     front = plane_front(side)
     others = np.where(front.inward * X > 0, slip_to(ZONE), 0.0)
     here = np.where(CLOSED & (front.inward * X < ZONE), slide * others.max(), 0.0)
-    # P and Q in phase, dK_T < f dK_I
-    at_edge = replace(station(front, X[:STATES] * 0), k_i=np.array([0.0, 0.0, 1.0, 0.0]))
-    growth = zone_growth(at_edge, FRICTION, 1, 3, np.ones(STATES, dtype=bool))
-    assert growth is not None and growth.nothing
-    border = slip_border_of(
-        history(np.array([others, here])),
-        front,
-        at_edge.position,
-        np.zeros(STATES),
-        2,
-        lambda *_: growth,
-    )(1, 3)
+    border = border_that_is_not_driven(front, np.array([others, here]))
     assert (border.resolved, border.gross) == (resolved, False)
     lowest, highest = border.length - border.spread, border.length + border.spread
     # All that slides, or none.
     assert lowest <= 0.0 and (highest >= EDGE) == (not resolved)
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("slide", [1e-3, 1.0])
+def test_a_contact_that_slides_is_gross_at_an_edge_that_drives_no_slip(
+    side: Side, slide: float
+) -> None:
+    front = plane_front(side)
+    others = np.where(front.inward * X > 0, slip_to(ZONE), 0.0)
+    sliding = np.where(CLOSED, slide * others.max(), 0.0)
+    assert border_that_is_not_driven(front, np.array([others, sliding])).gross
 
 
 @pytest.mark.parametrize(("length", "resolved"), [(0.0205, True), (1.3, False)])
