@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from cases.pad_cases import pad, press
-from harness.packages import write_package
+from harness.packages import EXAMPLE, write_package
 
 from fretfe.bodies.input_files import input_digests
 from fretfe.case import parse_case
@@ -21,7 +21,7 @@ SOURCE = """
 from pathlib import Path
 
 def path():
-    return Path(__file__).with_name({!r})
+    return Path(__file__).with_name("joint.geo")
 """
 
 
@@ -29,14 +29,13 @@ def path():
 def site(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     folder = tmp_path / "site"
     monkeypatch.syspath_prepend(folder)
-    for name in ("alloys", "joints"):
+    for name in ("other", "joints"):
         monkeypatch.delitem(sys.modules, name, raising=False)
     return folder
 
 
 def test_a_material_of_another_package(site: Path) -> None:
-    source = SOURCE.format("alloy.toml")
-    write_package(site, "alloys", source, "fretfe.materials", "Al-2024 = alloys:path")
+    write_package(site, "other", EXAMPLE, "fretfe.materials", "Al-2024 = other:alloy")
     (site / "alloy.toml").write_text(MATERIAL)
     assert material_names()[-1] == "Al-2024"
     body = {"material": "Al-2024"}
@@ -45,13 +44,12 @@ def test_a_material_of_another_package(site: Path) -> None:
     with pytest.raises(CaseError, match=r"'Al-2024'.* did you mean 'Al-2024'"):
         find_material("Al-2025", Path())
     (site / "alloy.toml").unlink()
-    with pytest.raises(DependencyError, match=r"'Al-2024' of alloys 1\.0: expected the Path of a"):
+    with pytest.raises(DependencyError, match=r"'Al-2024' of other 1\.0: expected the Path of a"):
         find_material("Al-2024", Path())
 
 
 def test_a_template_of_another_package(site: Path) -> None:
-    source = SOURCE.format("joint.geo")
-    write_package(site, "joints", source, "fretfe.templates", "joint = joints:path")
+    write_package(site, "joints", SOURCE, "fretfe.templates", "joint = joints:path")
     own = template_directory() / "cylinder.geo"
     (site / "joint.geo").write_text(own.read_text())
     assert template_names()[-1] == "joint"

@@ -15,7 +15,7 @@ import pytest
 from cases.solid_runs import stationed_sphere
 from cases.stored_runs import solved, write_run
 from decision.test_material import FATIGUE, write
-from harness.packages import write_package
+from harness.packages import EXAMPLE, write_package
 from typer.testing import CliRunner
 
 import fretfe
@@ -145,19 +145,10 @@ def test_tests_beside_the_other_criteria(tmp_path: Path) -> None:
             assess(result, path, *given)
 
 
-OTHER_CRITERION = """
-import numpy as np
-
-def margin(field, station, data):
-    stress = field.stress(np.array([[0.0, -0.05]]))
-    return data.limit.tension / np.ptp(stress[:, 0, 0]) * 2
-"""
-
-
 @pytest.mark.parametrize(
     ("source", "reason"),
     [
-        (OTHER_CRITERION, ""),
+        (EXAMPLE, ""),
         ("def margin(*_): return 1 / 0", "'mine' of other 1.0 failed: ZeroDivisionError: div"),
         ("def margin(*_): return float('nan')", "'mine' of other 1.0: expected a positive margin"),
         ("raise RuntimeError('no licence')", "'mine' of other 1.0 cannot be used: no licence"),

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from harness.packages import write_package
+from harness.packages import EXAMPLE, write_package
 
 from fretfe.errors import CaseError, DependencyError
 from fretfe.fields.field import read_field
@@ -37,10 +37,11 @@ def bring(tmp_path: Path, source: str) -> None:
 
 
 def test_a_reader_of_another_package(tmp_path: Path, table: Path) -> None:
-    bring(tmp_path, READER)
+    bring(tmp_path, EXAMPLE)
     found = read_field(table)
-    assert found.times.tolist() == [1.0, 2.0]
-    np.testing.assert_array_equal(found.values(1), 2 * found.points)
+    assert found.times.tolist() == [1.0]
+    assert found.points.tolist() == [[0, 0, 0], [1, 0, 0], [0, 1, 0]]
+    np.testing.assert_array_equal(found.values(0), 0 * found.points)
 
 
 def test_its_mistakes_are_named_with_it(tmp_path: Path, table: Path) -> None:

@@ -3,7 +3,12 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
+
+_PAGE = Path(__file__).parents[2] / "docs" / "backends.md"
+# The module `other` that the page prints, a function for each group but that of backends.
+EXAMPLE: str = re.findall(r"```python\n(.*?)```", _PAGE.read_text("utf-8"), re.DOTALL)[-1]
 
 
 def write_package(folder: Path, name: str, source: str | None, group: str, entry: str) -> None:

@@ -8,18 +8,11 @@ from pathlib import Path
 
 import pytest
 from cases.stored_runs import solved
-from harness.packages import write_package
+from harness.packages import EXAMPLE, write_package
 
 from fretfe.report.page.html import draw_plots
 
-SOURCE = """
-from fretfe.report.page.html import Section
-from fretfe.report.theme import make_plot
-
-def section(run):
-    plot = make_plot("mine", run.backend, "", 2.0, lambda figure: figure.subplots().plot([1, 2]))
-    return Section("", "Mine", "Twice.", (plot,))
-
+WRONG = """
 def wrong(run):
     return None
 
@@ -32,11 +25,11 @@ def test_sections_of_other_packages_stand_last(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.delitem(sys.modules, "mine", raising=False)
-    entries = "a = mine:section\nb = mine:wrong\nc = mine:failing"
-    write_package(tmp_path, "mine", SOURCE, "fretfe.sections", entries)
+    monkeypatch.delitem(sys.modules, "other", raising=False)
+    entries = "a = other:section\nb = other:wrong\nc = other:failing"
+    write_package(tmp_path, "other", EXAMPLE + WRONG, "fretfe.sections", entries)
     *_, good, wrong, failing = draw_plots(solved("halfplane")).sections
-    assert (good.anchor, good.title) == ("section-a", "Mine")
+    assert (good.anchor, good.title) == ("section-a", "My loads")
     assert good.plots[0].svg.startswith("<svg")
-    assert wrong.intro == "'b' of mine 1.0: expected a Section, found None"
-    assert failing.intro == "'c' of mine 1.0 failed: ZeroDivisionError: division by zero"
+    assert wrong.intro == "'b' of other 1.0: expected a Section, found None"
+    assert failing.intro == "'c' of other 1.0 failed: ZeroDivisionError: division by zero"
