@@ -91,7 +91,7 @@ NUMBERS = {
     "fields": 13,
     "halfplane": 3,
     "history": 7,
-    "idealise": 16,
+    "idealise": 17,
     "loads": 10,
     "local": 32,
     "matching": 28,
