@@ -20,7 +20,7 @@ import numpy as np
 
 from fretfe.backends import Observer
 from fretfe.contact import dense
-from fretfe.environment import memory_shortage
+from fretfe.environment import linear_algebra_threads, memory_shortage
 from fretfe.errors import FretfeError, MemoryShortError
 from fretfe.faults import CollectiveError, note_fault, said, trace_of
 from fretfe.fem._compat import MPI, PETSc
@@ -163,7 +163,8 @@ def use_waiting_cores(comm: MPI.Comm) -> None:
         cores = set().union(*beside)
         if cores:
             os.sched_setaffinity(0, cores)
-        dense.use_threads(min(len(beside), len(cores) or len(beside)))
+        count = min(len(beside), len(cores) or len(beside))
+        dense.use_threads(count // linear_algebra_threads())  # of which each would have its own
 
 
 def _agreeing(comm: MPI.Comm) -> MPI.Comm:
