@@ -96,9 +96,9 @@ def test_edges_are_flat_records(solved: Result) -> None:
     contact = solved.contacts[0]
     for record, edge in zip(records, contact.stations, strict=True):
         assert {type(value) for value in record.values()} <= {str, float, bool}
-        assert record["k_n"] == edge.k_n[-1]
+        assert record["k_n"] == edge.k_n[edge.decisive]
         assert record["k_t_range"] == edge.k_t_range
-        assert record["half_width"] == contact.half_width[-1]
+        assert record["half_width"] == contact.half_width[edge.decisive]
         assert record["slip_2"] == edge.slip_zones[-1].length
         assert record["slip_1"] == edge.slip_zones[-2].length
         assert record["predicted_2"] == edge.slip_zones[-1].predicted_loop
@@ -256,7 +256,8 @@ def test_edges_as_a_data_frame(solved: Result) -> None:
     table = solved.to_dataframe()
     assert list(table.columns) == list(solved.edges()[0])
     assert list(table["edge"]) == ["left", "right"]
-    assert table["k_n"][1] == solved.contacts[0].stations[1].k_n[-1]
+    edge = solved.contacts[0].stations[1]
+    assert table["k_n"][1] == edge.k_n[edge.decisive]
     units = table.attrs["units"]
     assert list(units) == list(table.columns)
     assert (units["k_n"], units["k_t_range"], units["slip_2"]) == ("MPa/√mm", "MPa·√mm", "mm")

@@ -158,7 +158,7 @@ def on_terminal(pad: Path, **environment: str) -> bytes:
     outer, inner = pty.openpty()
     arguments = ["run", str(pad), "-o", str(pad.parent / "out"), "--backend", "halfplane"]
     process = subprocess.Popen(
-        [sys.executable, "-m", "fretfe", *arguments, "--no-report"],
+        [sys.executable, "-P", "-m", "fretfe", *arguments, "--no-report"],
         stdin=subprocess.DEVNULL,
         stdout=inner,
         stderr=inner,

@@ -85,7 +85,7 @@ NUMBERS = {
     "cli": 6,
     "contact": 53,
     "decision": 5,
-    "evaluate": 254,
+    "evaluate": 253,
     "exchange": 31,
     "fem": 53,
     "fields": 13,

@@ -18,10 +18,9 @@ from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 
-# Error of a node of slip^(2/3), as an error of its place in elements: of finite elements, and of
-# averages over the support of a node; and by half-planes, whose averages are put in their places.
+# Error of a node of slip^(2/3), as an error of its place in elements, of finite elements as of
+# half-planes: averages over the support of a node.
 NODAL_ERROR = 0.05
-EXACT_ERROR = 0.03
 # Half-width of the 95 % interval over the estimated error.
 INTERVAL = 2.0
 # Error bar of a border behind few slipping nodes, in elements, times their number to the power of
@@ -230,10 +229,10 @@ def _border_between(
     slides = undriven and bool((middle > largest).any() or moved.all())
     if undriven and not slides:
         slip, moved = 0.0 * slip, np.zeros_like(moved)
-    find = partial(slip_border, slipping=moved, error=NODAL_ERROR if degree else EXACT_ERROR)
+    find = partial(slip_border, slipping=moved)
     border = find(s, slip)
     variances = front.from_front(variances)
-    alike = _alike(s, variances, border.length)
+    alike = _alike(s, variances, border.length) if degree else s
     border = find(alike, slip)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
     size = float(s[place] - s[place - 1])
