@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
@@ -50,7 +51,8 @@ public:
     while (finished_ < applied_.size()) {
       const std::size_t column = next();
       if (column == applied_.size()) {
-        changed_.wait(lock);
+        // `wait` would need the C++ library of GCC 12, which systems with older ones have not.
+        changed_.wait_for(lock, std::chrono::seconds(1));
         continue;
       }
       const std::size_t from = applied_[column].first;

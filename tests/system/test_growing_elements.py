@@ -28,6 +28,7 @@ def pressed(profile: str, degree: int, growth: float, elements: float) -> Irregu
         degree=degree,
         growth=growth,
         zone=1.3,
+        tolerance=None,
     )
 
 

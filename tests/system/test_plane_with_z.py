@@ -215,7 +215,8 @@ def test_oblique_slip_is_that_of_half_planes_with_three_components(
     result = solved(tables(steel(0.3), *parts.tolist(), cycles=3))
     for side, station in enumerate(result.contacts[0].stations):
         expected = plane_problem(result, 0.3, side)
-        assert station.slip_zones[-1].length == pytest.approx(expected, rel=0.015)
+        zone = station.slip_zones[-1]
+        assert abs(zone.length - expected) < zone.spread < 0.03 * expected
 
 
 # Turned about z: c45 is not zero, and shear along z is apart from the plane.

@@ -39,6 +39,14 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"lower_radius": 15},
         "overhang: expected at least 2.75",
     ),
+    ("dovetail", "upper_front_fits"): (
+        {"upper_front": 3},
+        "upper_front: expected at most",
+    ),
+    ("dovetail", "lower_front_fits"): (
+        {"lower_front": 3},
+        "lower_front: expected at most",
+    ),
     ("dovetail", "fine_zone_fits"): (
         {"upper_radius": 1},
         "edge_zone: expected at most 0.157",

@@ -18,8 +18,8 @@ from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 
-# Error of a node of slip^(2/3), as an error of its place in elements, of finite elements as of
-# half-planes: averages over the support of a node.
+# Error of a node of slip^(2/3), as an error of its place in elements: of finite elements, and of
+# averages over the support of a node.
 NODAL_ERROR = 0.05
 # Half-width of the 95 % interval over the estimated error.
 INTERVAL = 2.0
@@ -60,7 +60,7 @@ FEWEST_LAST = 3
 FEWEST_STUCK = 3
 
 
-def slip_border(s: Array, slip: Array, slipping: Bools, error: float = NODAL_ERROR) -> SlipBorder:
+def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
 
     |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
@@ -72,7 +72,6 @@ def slip_border(s: Array, slip: Array, slipping: Bools, error: float = NODAL_ERR
         s: distances of the nodes from the edge inward, increasing.
         slip: slip increment since the last reversal (or from zero).
         slipping: whether the node slips.
-        error: of the place of a node, in elements.
     """
     amount, slips = np.abs(slip), slipping.copy()
     trusted = slips.copy()
@@ -90,7 +89,7 @@ def slip_border(s: Array, slip: Array, slipping: Bools, error: float = NODAL_ERR
     noise = float(np.sqrt(np.mean(amount[~slips] ** 2)))
     noise = noise if noise > ROUND_OFF * amount.max() else 0.0
     if zone.size > 1:
-        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size, error)
+        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size)
         if abs(border - (high - low) / 2) < 1.5 * size + hidden:
             # Noise hides small slip behind the last node that is known to slip. That node may stand
             # behind the border itself where slip is a mean over the support of each node; few
@@ -101,9 +100,7 @@ def slip_border(s: Array, slip: Array, slipping: Bools, error: float = NODAL_ERR
     return SlipBorder(float((low + high) / 2), resolved=False, gross=False, spread=UNSEEN * size)
 
 
-def _border(
-    s: Array, amount: Array, noise: float, size: float, error: float
-) -> tuple[float, float, float]:
+def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, float, float]:
     """Return the place of the border, its error bar, and over what length noise hides the slip.
 
     Args:
@@ -111,7 +108,6 @@ def _border(
         amount: (m,) their slip.
         noise: standard deviation of the slip.
         size: element size at the border.
-        error: of the place of a node, in elements around it.
 
     Returns:
         NaN, infinity and 0 if the slip does not fall toward the border.
@@ -132,7 +128,7 @@ def _border(
         s, w, expected = s[clear], w[clear], expected[clear]
         nodes -= int(np.count_nonzero(~clear))
     noisy = 2 / 3 * noise / np.sqrt(np.maximum(expected, (HIDDEN * noise) ** (2 / 3) or 1.0))
-    errors = np.hypot(noisy, error * np.abs(np.gradient(s)) * slope)
+    errors = np.hypot(noisy, NODAL_ERROR * np.abs(np.gradient(s)) * slope)
     fits = _zeros(s, w, errors, highest)
     if s.size < COUNTS[0]:  # nothing to compare a line with, but the one without its last node
         place, bar = fits[0, -1, 0], INTERVAL * fits[1, -1, 0]
