@@ -216,7 +216,8 @@ def test_oblique_slip_is_that_of_half_planes_with_three_components(
     for side, station in enumerate(result.contacts[0].stations):
         expected = plane_problem(result, 0.3, side)
         zone = station.slip_zones[-1]
-        assert abs(zone.length - expected) < zone.spread < 0.03 * expected
+        # Slip stands at the centres of hat functions: a twentieth of an element nearer to the edge.
+        assert zone.length == pytest.approx(expected, rel=0.02)
 
 
 # Turned about z: c45 is not zero, and shear along z is apart from the plane.
