@@ -243,9 +243,7 @@ def evened(
     changed = UNSURE * (best.length - border.length)
     spread = math.hypot(best.spread, apart, changed, doubt)
     shown = number > 0 and versions[number - 1] is growth
-    # Clearly steady growth, of which no version is, denies what the loads tell, the jump too.
-    denied = number == 0 and not nearly and len(versions) == len(growth.versions())
-    return replace(best, spread=spread, beyond=0.0 if shown or denied else jump * best.length)
+    return replace(best, spread=spread, beyond=0.0 if shown else jump * best.length)
 
 
 def _settled(

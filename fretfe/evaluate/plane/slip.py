@@ -60,7 +60,7 @@ FEWEST_LAST = 3
 FEWEST_STUCK = 3
 
 
-def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
+def slip_border(s: Array, slip: Array, slipping: Bools, *, uneven: bool = False) -> SlipBorder:
     """Return the slip-zone length at one edge; all arrays (n,), nodes *in contact* only.
 
     |slip|^(2/3) is a smooth function that vanishes linearly at the stick-slip border. The node at
@@ -72,6 +72,8 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
         s: distances of the nodes from the edge inward, increasing.
         slip: slip increment since the last reversal (or from zero).
         slipping: whether the node slips.
+        uneven: whether errors of nodes go with the elements around each, not with those at the
+            border.
     """
     amount, slips = np.abs(slip), slipping.copy()
     trusted = slips.copy()
@@ -89,7 +91,7 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     noise = float(np.sqrt(np.mean(amount[~slips] ** 2)))
     noise = noise if noise > ROUND_OFF * amount.max() else 0.0
     if zone.size > 1:
-        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size)
+        border, spread, hidden = _border(s[zone] - low, amount[zone], noise, size, uneven=uneven)
         if abs(border - (high - low) / 2) < 1.5 * size + hidden:
             # Noise hides small slip behind the last node that is known to slip. That node may stand
             # behind the border itself where slip is a mean over the support of each node; few
@@ -100,7 +102,9 @@ def slip_border(s: Array, slip: Array, slipping: Bools) -> SlipBorder:
     return SlipBorder(float((low + high) / 2), resolved=False, gross=False, spread=UNSEEN * size)
 
 
-def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, float, float]:
+def _border(
+    s: Array, amount: Array, noise: float, size: float, *, uneven: bool
+) -> tuple[float, float, float]:
     """Return the place of the border, its error bar, and over what length noise hides the slip.
 
     Args:
@@ -108,6 +112,7 @@ def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, 
         amount: (m,) their slip.
         noise: standard deviation of the slip.
         size: element size at the border.
+        uneven: as of `slip_border`.
 
     Returns:
         NaN, infinity and 0 if the slip does not fall toward the border.
@@ -128,7 +133,8 @@ def _border(s: Array, amount: Array, noise: float, size: float) -> tuple[float, 
         s, w, expected = s[clear], w[clear], expected[clear]
         nodes -= int(np.count_nonzero(~clear))
     noisy = 2 / 3 * noise / np.sqrt(np.maximum(expected, (HIDDEN * noise) ** (2 / 3) or 1.0))
-    errors = np.hypot(noisy, NODAL_ERROR * np.abs(np.gradient(s)) * slope)
+    sizes = np.abs(np.gradient(s)) if uneven else size
+    errors = np.hypot(noisy, NODAL_ERROR * sizes * slope)
     fits = _zeros(s, w, errors, highest)
     if s.size < COUNTS[0]:  # nothing to compare a line with, but the one without its last node
         place, bar = fits[0, -1, 0], INTERVAL * fits[1, -1, 0]
@@ -219,16 +225,16 @@ def _border_between(
     undriven = growth is not None and growth.nothing
     largest = SLIDES * np.maximum(forward, backward)[nodes].max(initial=0.0)
     middle = slip[nearby[-1:]]
-    centres, variances = (each[closed] for each in _hats(contact.surface.arc))
+    centres, variances = (each[closed] for each in _hats(contact.surface.arc, degree))
     s, slip = front.distances(centres, position), slip[nodes]
     moved = _moved(slip)
     slides = undriven and bool((middle > largest).any() or moved.all())
     if undriven and not slides:
         slip, moved = 0.0 * slip, np.zeros_like(moved)
-    find = partial(slip_border, slipping=moved)
+    find = partial(slip_border, slipping=moved, uneven=degree > 0)
     border = find(s, slip)
     variances = front.from_front(variances)
-    alike = _alike(s, variances, border.length) if degree else s
+    alike = _alike(s, variances, border.length)
     border = find(alike, slip)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
     size = float(s[place] - s[place - 1])
@@ -257,14 +263,18 @@ def _border_between(
     return replace(border, resolved=False, spread=max(border.spread, *missed))
 
 
-def _hats(arc: Array) -> tuple[Array, Array]:
+def _hats(arc: Array, degree: int) -> tuple[Array, Array]:
     """(N,) centres of the hat functions over which slip is a mean, and their variances.
 
-    On uneven meshes the centres are not at the nodes.
+    On uneven meshes the centres are not at the nodes. Half-planes have theirs there, as if slip
+    were that of points: the difference is within their bars.
 
     Args:
         arc: (N,) of the nodes.
+        degree: of the displacements; 0 of half-planes.
     """
+    if not degree:
+        return arc, np.zeros_like(arc)
     before, after = (np.diff(arc, prepend=arc[0]), np.diff(arc, append=arc[-1]))
     return arc + (after - before) / 3, (before**2 + before * after + after**2) / 18
 
