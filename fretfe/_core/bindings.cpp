@@ -1,14 +1,12 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Python bindings: arrays in, arrays out. Defaults and argument checks live in Python.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
-
 #include <algorithm>
 #include <array>
 #include <cstdint>
 #include <type_traits>
 #include <vector>
 
+#include "arrays.hpp"
 #include "moments.hpp"
 #include "mortar.hpp"
 #include "mortar_space.hpp"
@@ -16,18 +14,12 @@
 namespace nb = nanobind;
 using namespace nb::literals;
 
-namespace fretfe {
-void bind_dense(nb::module_ &m);
-}
-
 namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
-using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 using Tables = nb::ndarray<const double, nb::ndim<5>, nb::c_contig, nb::device::cpu>;
-using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Sides = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using fretfe::Numbers, fretfe::Table, fretfe::Values;
 
 /// One member of each record as a NumPy array that owns its data.
 template <class Pair, class Member> auto column(const std::vector<Pair> &pairs, Member member) {

@@ -1,7 +1,5 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
 // Python bindings of the algebra of large matrices.
-#include <nanobind/nanobind.h>
-#include <nanobind/ndarray.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
@@ -9,6 +7,7 @@
 #include <cstring>
 #include <vector>
 
+#include "arrays.hpp"
 #include "dense.hpp"
 
 namespace nb = nanobind;
@@ -16,9 +15,7 @@ using namespace nb::literals;
 
 namespace {
 
-using Table = nb::ndarray<const double, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
-using Values = nb::ndarray<const double, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
-using Numbers = nb::ndarray<const std::int64_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
+using fretfe::Numbers, fretfe::Table, fretfe::Values;
 
 // Rows that are gathered at a time.
 constexpr std::size_t some = 32;

@@ -27,8 +27,12 @@ ROUTINES: tuple[tuple[Mapping[str, Any], tuple[str, ...]], ...] = (
 )
 
 
-def _addresses(precision: str) -> list[int]:
-    """Addresses of SciPy's routines, which it tells in capsules for compiled code."""
+def routine_addresses(precision: str) -> list[int]:
+    """Addresses of SciPy's routines, which it tells in capsules for compiled code.
+
+    Args:
+        precision: "s" or "d".
+    """
     api = ctypes.pythonapi
     name = ctypes.PYFUNCTYPE(ctypes.c_char_p, ctypes.py_object)(("PyCapsule_GetName", api))
     pointer = ctypes.PYFUNCTYPE(ctypes.c_void_p, ctypes.py_object, ctypes.c_char_p)(
@@ -38,7 +42,7 @@ def _addresses(precision: str) -> list[int]:
     return [pointer(capsule, name(capsule)) for capsule in capsules]
 
 
-_kernels.use_routines(_addresses("s"), _addresses("d"))
+_kernels.use_routines(routine_addresses("s"), routine_addresses("d"))
 
 
 def use_threads(count: int) -> None:

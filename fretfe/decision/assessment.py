@@ -159,9 +159,10 @@ class Assessment:
 
     def keeps(self, margin: float) -> bool:
         """True if every edge of all results is judged, and has this margin at least."""
-        governing = [each.governing for one in (self, *self.others) for each in one.edges]
-        judged = bool(governing) and all(one.edges for one in (self, *self.others))
-        return judged and all(each is not None and each.margin >= margin for each in governing)
+        every = self, *self.others
+        governing = [each.governing for one in every for each in one.edges]
+        kept = all(each is not None and each.margin >= margin for each in governing)
+        return kept and all(one.edges for one in every)
 
     @property
     def frictions(self) -> tuple[float, float]:

@@ -10,32 +10,21 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.linalg import cython_blas
 
 from fretfe._core import _kernels
 from fretfe._typing import Array, Bools
+from fretfe.contact.dense import routine_addresses
 
 # Around the size of the blocks that go through a buffer, and parts of unequal size.
 SIZES, INNER = (1, 2, 47, 48, 49, 97, 203), (0, 1, 5, 64)
 FACTORS = ((1.0, 1.0), (-1.0, 1.0), (2.5, 0.0), (0.0, -0.5), (-0.5, 3.0))
 
 
-def scipys_dgemm() -> int:
-    """Address of the dgemm that SciPy is linked with, without DOLFINx."""
-    capsule = cython_blas.__pyx_capi__["dgemm"]
-    api = ctypes.pythonapi
-    api.PyCapsule_GetName.restype = ctypes.c_char_p
-    api.PyCapsule_GetName.argtypes = [ctypes.py_object]
-    api.PyCapsule_GetPointer.restype = ctypes.c_void_p
-    api.PyCapsule_GetPointer.argtypes = [ctypes.py_object, ctypes.c_char_p]
-    return int(api.PyCapsule_GetPointer(capsule, api.PyCapsule_GetName(capsule)))
-
-
 @pytest.fixture(scope="module")
 def library() -> Iterator[ctypes.CDLL]:
     loaded = ctypes.CDLL(str(Path(_kernels.__file__).with_name("_gemmt.so")))
     dgemm = ctypes.c_void_p.in_dll(loaded, "fretfe_dgemm")
-    before, dgemm.value = dgemm.value, scipys_dgemm()
+    before, dgemm.value = dgemm.value, routine_addresses("d")[0]
     yield loaded
     dgemm.value = before  # that of PETSc, if this process has it
 

@@ -3,10 +3,8 @@
 
 from __future__ import annotations
 
-import tomllib
-
 import pytest
-from cases.pad_cases import STEEL, cylinder, pad, press
+from cases.pad_cases import PAD, STEEL, cylinder, pad, press, shear
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
@@ -15,44 +13,6 @@ from fretfe.idealise import idealise
 from fretfe.quality.validation import summary, validate
 
 HALF_WIDTH = 0.5749
-FLAT = """
-[geometry]
-template = "flat_rounded"
-[geometry.parameters]
-flat_half_width = 0.6
-radius = 30.0
-upper_width = 20.0
-upper_height = 20.0
-lower_width = 20.0
-lower_height = 20.0
-zone = 1.2
-[bodies]
-upper = { young = 115e3, poisson = 0.32 }
-lower = { young = 115e3, poisson = 0.32 }
-[contacts.main]
-surface1 = "upper_contact"
-surface2 = "lower_contact"
-friction = 0.5
-friction_from = 1.0
-[supports.base]
-boundary = "lower_bottom"
-fix = ["x", "y"]
-[loads.press]
-type = "platen"
-boundary = "upper_top"
-direction = "y"
-control = "force"
-history = [{ ramp = -500.0, until = 1.0, steps = 4 }]
-[loads.shear]
-type = "platen"
-boundary = "upper_top"
-direction = "x"
-control = "force"
-history = [
-  { hold = true, until = 1.0 },
-  { wave = "sine", amplitude = 37.5, period = 1.0, cycles = 2, steps_per_cycle = 24 },
-]
-"""
 QUANTITY = "error of K_N or ΔK_T because the bodies are not half-planes"
 STRETCH = "error of the slip zones because P stretches different bodies by different amounts"
 # K_N of finite elements with the lower body so many half-widths high, over that of one 42 high.
@@ -150,7 +110,18 @@ def test_surfaces_that_meet_at_a_slope_are_no_planes(angle: float) -> None:
 
 def test_flats_feel_the_width_of_bodies_more_than_cylinders() -> None:
     """By elements, refined to 1 %, ΔK_T of a flat 1.01 wide in blocks of 20 is 16.672 ± .012."""
-    (contact,) = find_backend("halfplane").solve(parse_case(tomllib.loads(FLAT))).contacts
+    sizes = {f"{body}_{name}": 20.0 for body in ("upper", "lower") for name in ("width", "height")}
+    titanium = {"young": 115e3, "poisson": 0.32}
+    tables = pad(
+        geometry={
+            "template": "flat_rounded",
+            "parameters": {"flat_half_width": 0.6, "radius": 30.0, "zone": 1.2, **sizes},
+        },
+        bodies={"upper": titanium, "lower": titanium},
+        contacts={"main": {**PAD["contacts"]["main"], "friction": 0.5}},
+        loads={"press": press(500.0), "shear": shear(37.5, steps=24)},
+    )
+    (contact,) = find_backend("halfplane").solve(parse_case(tables)).contacts
     for station in contact.stations:
         missing = station.k_t_range - 16.672
         assert 0 < missing < station.k_range_spread < 2 * missing

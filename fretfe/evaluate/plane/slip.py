@@ -225,17 +225,19 @@ def _border_between(
     undriven = growth is not None and growth.nothing
     largest = SLIDES * np.maximum(forward, backward)[nodes].max(initial=0.0)
     middle = slip[nearby[-1:]]
-    centres, variances = (each[closed] for each in _hats(contact.surface.arc, degree))
-    s, slip = front.distances(centres, position), slip[nodes]
+    # Half-planes have their nodes, as if slip were that of points: their bars hold the difference.
+    centres, variances = _hats(contact.surface.arc) if degree else (contact.surface.arc, None)
+    s, slip = front.distances(centres[closed], position), slip[nodes]
     moved = _moved(slip)
     slides = undriven and bool((middle > largest).any() or moved.all())
     if undriven and not slides:
         slip, moved = 0.0 * slip, np.zeros_like(moved)
     find = partial(slip_border, slipping=moved, uneven=degree > 0)
-    border = find(s, slip)
-    variances = front.from_front(variances)
-    alike = _alike(s, variances, border.length)
-    border = find(alike, slip)
+    border, alike, deviation = find(s, slip), s, np.zeros_like(s)
+    if variances is not None:
+        variances = front.from_front(variances[closed])
+        alike, deviation = _alike(s, variances, border.length), np.sqrt(variances)
+        border = find(alike, slip)
     place = int(np.clip(np.searchsorted(s, border.length), 1, len(s) - 1))
     size = float(s[place] - s[place - 1])
     if growth is not None:
@@ -245,7 +247,7 @@ def _border_between(
             border,
             lambda stretch: find(alike, slip / stretch),
             size,
-            np.sqrt(variances),
+            deviation,
         )
     border = _as_last_nodes(border, s, slip, moved).held
     if degree and border.length > 0:  # few large elements in front of a kink: up to .28 of one off
@@ -263,18 +265,14 @@ def _border_between(
     return replace(border, resolved=False, spread=max(border.spread, *missed))
 
 
-def _hats(arc: Array, degree: int) -> tuple[Array, Array]:
+def _hats(arc: Array) -> tuple[Array, Array]:
     """(N,) centres of the hat functions over which slip is a mean, and their variances.
 
-    On uneven meshes the centres are not at the nodes. Half-planes have theirs there, as if slip
-    were that of points: the difference is within their bars.
+    On uneven meshes the centres are not at the nodes.
 
     Args:
         arc: (N,) of the nodes.
-        degree: of the displacements; 0 of half-planes.
     """
-    if not degree:
-        return arc, np.zeros_like(arc)
     before, after = (np.diff(arc, prepend=arc[0]), np.diff(arc, append=arc[-1]))
     return arc + (after - before) / 3, (before**2 + before * after + after**2) / 18
 
