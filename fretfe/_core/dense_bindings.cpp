@@ -50,15 +50,16 @@ void combine_blocks(Table matrix, Numbers row_nodes, Table tested, Numbers colum
 
 /// Rows and columns of a matrix, `some` rows at a time: they stay in the processor's cache.
 void gather(Table matrix, Numbers rows, Numbers columns,
-            nb::ndarray<double, nb::ndim<2>, nb::c_contig, nb::device::cpu> out) {
+            nb::ndarray<double, nb::ndim<2>, nb::device::cpu> out) {
   const std::size_t count = rows.shape(0), size = columns.shape(0), width = matrix.shape(1);
-  if (out.shape(0) != count || out.shape(1) != size)
+  if (out.shape(0) != count || out.shape(1) != size ||
+      (count > 0 && size > 1 && out.stride(1) != 1))
     throw nb::value_error("the arrays do not fit one another");
   nb::gil_scoped_release release;
   fretfe::dense::for_each((count + some - 1) / some, [&](std::size_t part) {
     for (std::size_t i = part * some; i < std::min(count, (part + 1) * some); ++i) {
       const double *values = matrix.data() + rows.data()[i] * width;
-      double *to = out.data() + i * size;
+      double *to = out.data() + static_cast<std::ptrdiff_t>(i) * out.stride(0);
       for (std::size_t j = 0; j < size; ++j)
         to[j] = values[columns.data()[j]];
     }

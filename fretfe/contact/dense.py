@@ -96,8 +96,15 @@ def multiply_triangle(matrix: Array, vectors: Array, *, transpose: bool = False)
     return found
 
 
-def gather(matrix: Array, rows: Indices, columns: Indices) -> Array:
-    """(r, c) some rows and columns of a matrix by rows; a copy."""
-    found = np.empty((len(rows), len(columns)))
+def gather(matrix: Array, rows: Indices, columns: Indices, into: Array | None = None) -> Array:
+    """(r, c) some rows and columns of a matrix by rows; a copy.
+
+    Args:
+        matrix: matrix.
+        rows: (r,) numbers.
+        columns: (c,) numbers.
+        into: (r, c) rows of another matrix that it is written to.
+    """
+    found = np.empty((len(rows), len(columns))) if into is None else into
     _kernels.gather(matrix, rows, columns, found)
     return found

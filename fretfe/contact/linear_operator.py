@@ -764,7 +764,8 @@ class StuckSolution:
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
         motion = order.motion[: area.size]
         matrix = np.empty((count + len(vectors), count + len(vectors)))
-        matrix[:count, :count] = units[:, released.all]  # symmetric
+        # Symmetric.
+        dense.gather(units, np.arange(count), released.all, matrix[:count, :count])
         matrix[:count, count:] = -vectors[:, released.all].T
         matrix[count:, :count] = (units @ motion).T
         matrix[count:, count:] = -(vectors @ motion).T - order.stiffness

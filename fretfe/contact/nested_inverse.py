@@ -123,7 +123,7 @@ class InverseRows:
             self._append(components[self._place[components] < 0])
         places = self._place[components]
         self._resize(places, size)
-        return self._rows[places, :size]
+        return dense.gather(self._rows, places, np.arange(size))
 
     def missing(self, components: Indices) -> int:
         """Number of rows that are not there yet."""

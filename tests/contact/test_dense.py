@@ -85,6 +85,10 @@ def test_products_are_those_of_numpy(size: int, threads: int) -> None:
     rows, columns = np.arange(size)[::-3], np.arange(0, size, 2)
     found = dense.gather(matrix, rows, columns)
     np.testing.assert_array_equal(found, matrix[np.ix_(rows, columns)])
+    larger = np.zeros((size + 1, size + 2))
+    dense.gather(matrix, rows, columns, larger[: len(rows), : len(columns)])
+    np.testing.assert_array_equal(larger[: len(rows), : len(columns)], found)
+    assert not larger[len(rows) :].any() and not larger[:, len(columns) :].any()
 
 
 @pytest.mark.parametrize("size", [0, 1, 300])
