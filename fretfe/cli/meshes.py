@@ -23,9 +23,6 @@ if TYPE_CHECKING:
     from fretfe.mesh.mesh import BodySummary, Mesh
     from fretfe.surface.checks import ContactQuality, SurfaceQuality
 
-# Seconds from which on a run is long, and part of them that makes more processes worth a line.
-LONG_RUN = 60.0
-SAVED = 0.25
 CHECK_EXAMPLES = examples(
     "fretfe check pad.toml",
     "fretfe check pad.toml --set geometry.parameters.size=0.02",
@@ -165,8 +162,7 @@ def _print_on_ranks(checked: Checked, asked: int | None) -> None:
     """Print what a run takes on so many processes; by itself on all cores, if that pays."""
     alone, ranks = checked.cost, asked or idle_cores() + 1
     several = checked.cost_on(ranks)
-    pays = alone.seconds > LONG_RUN and several.seconds < (1 - SAVED) * alone.seconds
-    if ranks > 1 and (asked or pays):
+    if ranks > 1 and (asked or several.pays_beside(alone)):
         print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}")
 
 

@@ -33,7 +33,8 @@ from fretfe.fem.parallel import on_root, release
 from fretfe.fem.refine import refine
 from fretfe.fem.run import load_history, solve, solve_prepared
 from fretfe.fem.timing import Clock
-from fretfe.loads import build_history
+from fretfe.loads import History, build_history
+from fretfe.mesh.cost import Amount, estimate_cost
 from fretfe.mesh.mesh import Mesh, count_unknowns
 from fretfe.results.model import Result
 from fretfe.surface.checks import load_mesh
@@ -193,6 +194,8 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     unknowns = count_unknowns(mesh, case.model.degree, case.components(mesh.dimension))
     options.announce(f"mesh: {unknowns} unknowns; the bodies are condensed before the first step")
     history = options.history or build_history(case)
+    if advice := _advice(case, mesh, history):
+        options.announce(advice)
     # Of bodies in another unit nothing can be expected.
     doubts = tuple(stiffness_doubts(case))
     if not doubts:
@@ -203,6 +206,21 @@ def _load(case: Case, options: RunOptions) -> Mesh:
     for warning in end_warning(case, mesh):
         options.announce(f"Warning: {warning}")
     return mesh
+
+
+def _advice(case: Case, mesh: Mesh, history: History) -> str:
+    """The number of processes that a long run on one had better have, in words; or nothing.
+
+    Tractions, which are not known yet, add to both.
+    """
+    ranks, amount = idle_cores() + 1, Amount(len(history.times) - 1)
+    arguments = mesh, case.model.degree, 0, amount, case.components(mesh.dimension)
+    several, alone = estimate_cost(*arguments, ranks=ranks), estimate_cost(*arguments)
+    if MPI.COMM_WORLD.size > 1 or ranks == 1 or not several.pays_beside(alone):
+        return ""
+    return (
+        f"{ranks} cores are there: --ranks {ranks} takes less time; fretfe check estimates how much"
+    )
 
 
 def _middles(case: Case, mesh: Mesh) -> dict[str, Array]:

@@ -102,6 +102,9 @@ FEWER_TRACTIONS = {
     3: "take fewer, longer layers along the edge (layers, length_size), or make the elements along "
     "the contact larger, or fine over a shorter part of it (edge_size, edge_zone)",
 }
+# Seconds from which on a run is long, and part of them that makes more processes worth a line.
+LONG_RUN = 60.0
+SAVED = 0.25
 
 
 @dataclass(frozen=True)
@@ -179,6 +182,10 @@ class Cost:
             f"GB{disk} and {_duration(self.seconds)}, "
             f"{_duration(self.behind)} of them for edge factors, fields and pictures{self._more}"
         )
+
+    def pays_beside(self, alone: Cost) -> bool:
+        """Tell whether several processes save enough of a long run on one to be worth a line."""
+        return alone.seconds > LONG_RUN and self.seconds < (1 - SAVED) * alone.seconds
 
     def beside(self, alone: Cost) -> str:
         """The estimate for several processes beside that for one, in words."""

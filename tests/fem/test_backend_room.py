@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Runs in an address space that is too small for them."""
+"""Runs in an address space that is too small for them, or with cores to spare."""
 
 from __future__ import annotations
 
@@ -16,7 +16,10 @@ from fretfe.case import parse_case
 from fretfe.environment import address_room
 from fretfe.errors import MemoryShortError
 from fretfe.fem import backend as room
+from fretfe.loads import build_history
+from fretfe.mesh import cost
 from fretfe.runner import Runner
+from fretfe.surface.checks import load_mesh
 
 MIB = 2**20
 # What a user's mistake, a missing library and a lack of memory may end with, and a run that fits.
@@ -60,3 +63,18 @@ def test_a_lack_of_memory_is_told(tmp_path: Path, limit: int) -> None:
     said = done.stdout + done.stderr
     assert done.returncode in TOLD, said
     assert "Traceback" not in said
+
+
+def test_a_long_run_on_one_process_is_told_of_the_other_cores(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    case = parse_case(pad())
+    mesh, history = load_mesh(case), build_history(case)
+    told = []
+    for cores, long in ((4, 0.0), (4, 60.0), (1, 0.0)):
+        monkeypatch.setattr(room, "idle_cores", lambda cores=cores: cores - 1)
+        monkeypatch.setattr(cost, "LONG_RUN", long)
+        monkeypatch.setattr(cost, "STARTING", 0.0)
+        told.append(room._advice(case, mesh, history))
+    assert "4 cores are there: --ranks 4" in told[0]
+    assert told[1:] == ["", ""]
