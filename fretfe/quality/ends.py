@@ -34,10 +34,11 @@ from fretfe.results.front_ends import (
     zone_at,
 )
 from fretfe.results.model import Result
+from fretfe.results.quantities import K_N
 from fretfe.results.reader import restored
 from fretfe.results.writer import ANSWER, ENDS
 
-SCHEMA = {"name": "fretfe-end", "version": 2}
+SCHEMA = {"name": "fretfe-end", "version": 3}
 # Distances from an end to which powers are fitted, over the length next to it.
 FITTED = 4
 # Power of the length of elements by which a stress on an end grows at least.
@@ -106,30 +107,41 @@ class EndNumber:
 
 
 @dataclass(frozen=True)
-class Meeting:
-    """|ΔK| at a station of the run, and by the sub-model there, which has K_N, too.
+class Compared:
+    """A number by the run and by a sub-model, each with its error bar; NaN where it has none."""
 
-    Attributes:
-        station: its name.
-        distance: from the end.
-        run, run_spread: by the run.
-        part, part_spread: by the sub-model.
-        k_n, k_n_spread: K_N by the sub-model; NaN where it has none.
-    """
-
-    station: str
-    distance: float
     run: float
     run_spread: float
     part: float
     part_spread: float
-    k_n: float
-    k_n_spread: float
 
     @property
     def agrees(self) -> bool:
-        """True if the two differ by no more than both error bars together."""
-        return abs(self.run - self.part) <= math.hypot(self.run_spread, self.part_spread)
+        """False if the two are known and differ by more than both error bars together."""
+        missing = abs(self.run - self.part) - math.hypot(self.run_spread, self.part_spread)
+        return not missing > 0
+
+
+@dataclass(frozen=True)
+class Meeting:
+    """A station of the run where a sub-model has its numbers, too.
+
+    Attributes:
+        station: its name.
+        distance: from the end.
+        k_range: |ΔK|.
+        k_n: K_N.
+    """
+
+    station: str
+    distance: float
+    k_range: Compared
+    k_n: Compared
+
+    @property
+    def agrees(self) -> bool:
+        """True if neither number differs."""
+        return self.k_range.agrees and self.k_n.agrees
 
 
 @dataclass(frozen=True)
@@ -219,9 +231,9 @@ def nearest_range(run: Result, end: FrontEnd) -> str:
 
 
 def meeting_at(run: Result, station: str) -> Meeting | None:
-    """Numbers at a station by sub-models that agree there; None if there are none."""
+    """Numbers at a station by sub-models; None if there are none."""
     met = (each for answer in read_answers(run) for each in answer.meetings)
-    return next((each for each in met if each.station == station and each.agrees), None)
+    return next((each for each in met if each.station == station), None)
 
 
 def _read(path: Path) -> EndAnswer:
@@ -496,5 +508,6 @@ def _meetings(end: FrontEnd, part: Level) -> Iterator[Meeting]:
     for distance, station in known_stations(end):
         found = [float(each[0]) for each in part.at(np.array([distance]))]
         if math.isfinite(found[1]):
-            name = end.contact.name_of(station)
-            yield Meeting(name, distance, station.k_range, station.k_range_spread, *found)
+            k_range = Compared(station.k_range, station.k_range_spread, *found[:2])
+            k_n = Compared(*K_N.read(station), *found[2:])
+            yield Meeting(end.contact.name_of(station), distance, k_range, k_n)

@@ -19,7 +19,7 @@ from fretfe.decision.assessment import Assessment, Criterion
 from fretfe.decision.field import EdgeField, NearField, SmoothStress
 from fretfe.decision.texts import details
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.quality.ends import EndAnswer, Meeting
+from fretfe.quality.ends import Compared, EndAnswer, Meeting
 from fretfe.results.model import Result
 
 NAME = "main.1.start"
@@ -59,7 +59,8 @@ def assessed(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, part_stress: float | str, agrees: bool
 ) -> Assessment:
     """124 MPa at all stations of the run, more at those of the sub-model, or a reason."""
-    meeting = Meeting("main.1.2", 0.625, 9.375, 0.1, 9.375 if agrees else 8.0, 0.1, 100.0, 1.0)
+    k_range = Compared(9.375, 0.1, 9.375 if agrees else 8.0, 0.1)
+    meeting = Meeting("main.1.2", 0.625, k_range, Compared(100.0, 1.0, 100.0, 1.0))
     answer = EndAnswer(
         NAME, np.zeros(3), DISTANCES, 10 - DISTANCES, np.full(2, 0.3), np.full(2, 100.0),
         np.full(2, 4.0), DISTANCES, 0.1, 0.01, 0.3, (), (meeting,),

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.quality.ends import Level, Meeting, Rows, number_at, slip_at_edge
+from fretfe.quality.ends import Compared, Level, Meeting, Rows, number_at, slip_at_edge
 
 
 def rows(distance: Array, values: Array) -> Rows:
@@ -92,9 +92,18 @@ def test_a_power_that_bends_has_it_in_its_bar() -> None:
     assert nearer < found.exponent + 1.3 * found.exponent_spread
 
 
-@pytest.mark.parametrize(("part", "agrees"), [(104.0, True), (107.0, False)])
-def test_a_meeting_counts_both_bars(part: float, agrees: bool) -> None:
-    assert Meeting("main.1.3", 0.5, 100.0, 3.0, part, 4.0, 30.0, 1.0).agrees is agrees
+@pytest.mark.parametrize(
+    ("part", "k_n", "agrees"),
+    [
+        (104.0, 2352.0, False),
+        (104.0, 2400.0, True),
+        (104.0, math.nan, True),
+        (107.0, 2491.0, False),
+    ],
+)
+def test_a_meeting_counts_both_bars_of_both_factors(part: float, k_n: float, agrees: bool) -> None:
+    numbers = Compared(100.0, 3.0, part, 4.0), Compared(2491.0, 64.0, k_n, 73.0)
+    assert Meeting("main.1.3", 0.5, *numbers).agrees is agrees
 
 
 def known(size: float, places: Array, error: float) -> Level:

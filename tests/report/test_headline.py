@@ -17,12 +17,13 @@ from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Front, Station, fronts_of, unknown_station
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.withheld import Lack, Withheld, lost_front
-from fretfe.quality.ends import EndAnswer, Meeting, write_answer
+from fretfe.quality.ends import Compared, EndAnswer, Meeting, write_answer
 from fretfe.report.page.headline import headline
 from fretfe.report.page.tables import station_table
 from fretfe.report.texts import number, with_error
 from fretfe.results.front_ends import find_end
 from fretfe.results.model import Result
+from fretfe.results.quantities import K_N
 from fretfe.results.writer import ENDS
 
 
@@ -235,17 +236,19 @@ def test_sub_models_that_agree_are_trusted_where_the_run_is_not(
     )
     worst, end = front.stations[1], find_end(result, "main.1.start")
     assert end is not None
-    met = Meeting("main.1.1", 0.375, worst.k_range, worst.k_range_spread, part, 0.1, 50.0, 1.0)
+    k_range = Compared(worst.k_range, worst.k_range_spread, part, 0.1)
+    met = Meeting("main.1.1", 0.375, k_range, Compared(*K_N.read(worst), 400.0, 1.0))
     none = np.empty(0)
     found = EndAnswer(end.name, end.point, *6 * (none,), 0.1, 0.01, 0.3, (), meetings=(met,))
     (tmp_path / ENDS / end.name).mkdir(parents=True)
     write_answer(result, found, tmp_path / ENDS / end.name)
     first, doubts = headline(result), ("K_N is known to 20% only", "|ΔK| is known to 30% only")
     agrees = part < 10
-    assert ("; by sub-models there K_N 50.0 ± 1.0 MPa/√mm, |ΔK| 9.60 ± 0.10" in first.worst) is (
+    assert ("; by sub-models there K_N 400.0 ± 1.0 MPa/√mm, |ΔK| 9.60 ± 0.10" in first.worst) is (
         agrees
     )
     assert all((doubt in first.trust) is not agrees for doubt in doubts)
+    assert ("run and sub-model differ there: |ΔK| " in first.trust) is not agrees
 
 
 def test_what_the_plane_problem_shows_nodes_need_not() -> None:

@@ -8,7 +8,7 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fretfe.mesh.mesh import place_text
-from fretfe.quality.ends import FITTED, NUMBERS, EndAnswer, read_answers
+from fretfe.quality.ends import FITTED, NUMBERS, EndAnswer, Meeting, read_answers
 from fretfe.report.texts import MISSING, plain_table, with_error
 from fretfe.results.model import Result
 
@@ -37,11 +37,20 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
         met = answer.meetings[0]
         yield (
             f"Run and sub-model {'agree' if met.agrees else 'differ'} at {met.station}, "
-            f"{met.distance:.3g} {length} from that end: |ΔK| "
-            f"{with_error(met.run, met.run_spread)} and {with_error(met.part, met.part_spread)}."
+            f"{met.distance:.3g} {length} from that end: {both_ways(met)}."
         )
     else:
         yield "No station of the run is near enough to that end to be compared."
+
+
+def both_ways(met: Meeting) -> str:
+    """The numbers of a run and of a sub-model at a station, in words."""
+    return ", ".join(
+        f"{symbol} {with_error(each.run, each.run_spread)} and "
+        f"{with_error(each.part, each.part_spread)}"
+        for symbol, each in (("|ΔK|", met.k_range), ("K_N", met.k_n))
+        if math.isfinite(each.run) and math.isfinite(each.part)
+    )
 
 
 def end_tables(run: Result) -> list[Table]:

@@ -15,6 +15,7 @@ from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
 from fretfe.quality.ends import Meeting, meeting_at, nearest_range
+from fretfe.report.page.ends import both_ways
 from fretfe.report.source import shown_stations, when
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.front_ends import end_beside
@@ -151,11 +152,12 @@ def _lost(run: Result) -> list[Subject]:
 def _by_parts(run: Result, contact: Contact, station: Station) -> str:
     """K_N and |ΔK| at a station by sub-models around an end, in words; empty without them."""
     met = meeting_at(run, contact.name_of(station))
-    if met is None:
+    if met is None or not met.agrees:
         return ""
+    k_n, k_range = (with_error(each.part, each.part_spread) for each in (met.k_n, met.k_range))
     return (
-        f"; by sub-models there K_N {_known(with_error(met.k_n, met.k_n_spread), run.unit('k_n'))},"
-        f" |ΔK| {with_error(met.part, met.part_spread)} {run.unit('k_t')}"
+        f"; by sub-models there K_N {_known(k_n, run.unit('k_n'))}, |ΔK| {k_range} "
+        f"{run.unit('k_t')}"
     )
 
 
@@ -224,6 +226,8 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"
     lost, met = withheld(station), meeting_at(run, contact.name_of(station))
+    if met is not None and not met.agrees:
+        yield f"run and sub-model differ there: {both_ways(met)}"
     for symbol, quantity in (("K_N", K_N), (_range_symbol(contact, station), K_RANGE)):
         value, bar = _better(quantity, station, met)
         ranged = quantity is K_N or (run.loads.cycle is not None and station.friction != 0)
@@ -249,10 +253,10 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
 def _better(quantity: Reported, station: Station, met: Meeting | None) -> tuple[float, float]:
     """A number of a station and its bar, by the run or by sub-models that know it better."""
     value, bar = quantity.read(station)
-    if met is None:
+    if met is None or not met.agrees:
         return value, bar
-    part = (met.k_n, met.k_n_spread) if quantity is K_N else (met.part, met.part_spread)
-    return part if part[1] < bar or math.isnan(bar) else (value, bar)
+    own = met.k_n if quantity is K_N else met.k_range
+    return (own.part, own.part_spread) if own.part_spread < bar or math.isnan(bar) else (value, bar)
 
 
 def _sliding(run: Result) -> str:
