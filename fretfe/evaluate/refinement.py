@@ -43,8 +43,8 @@ class StationValues:
         rise: distance from the front in which the pressure rises to its largest value.
         friction: coefficient.
         number: of the station along its front.
-        k_t_scale: least value that changes of K_T are compared with; the largest number where
-            it need not converge.
+        k_t_scale: least value that changes of K_T are compared with; infinite where it need not
+            converge.
     """
 
     contact: str

@@ -63,7 +63,7 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
             slip=tuple(zone.length for zone in _last_zones(station)),
             rise=_rise(history, contact, station),
             friction=station.friction,
-            k_t_scale=float(np.finfo(float).max) if _slides(station) else 0.0,
+            k_t_scale=math.inf if _slides(station) else 0.0,
         )
         for history, contact, station in _stations(solution, contacts)
     )
