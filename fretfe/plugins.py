@@ -6,6 +6,7 @@ One that cannot be loaded, or raises, is named with its package.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.metadata import EntryPoint, entry_points
@@ -16,7 +17,9 @@ from fretfe.environment import memory_shortage, missing_package
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
 
 # Groups: functions that return the path of a material file, or of a template, by its name;
-# functions that make a section of the report from a result.
+# functions that give factors of a traction at places; functions that make a section of the report
+# from a result.
+LOAD_FUNCTIONS = "fretfe.loads"
 MATERIALS = "fretfe.materials"
 TEMPLATES = "fretfe.templates"
 SECTIONS = "fretfe.sections"
@@ -40,6 +43,13 @@ class PlugIn:
     def title(self) -> str:
         """Name and package, for messages."""
         return f"{self.name!r} of {self.package}"
+
+    @property
+    def file(self) -> Path | None:
+        """The file of its module; None without one, or if it cannot be imported."""
+        self.load()
+        file = getattr(sys.modules.get(self.entry.module), "__file__", None)
+        return Path(file) if file else None
 
     def load(self) -> tuple[Any, str]:
         """The object; or None, and why it cannot be loaded."""
@@ -93,13 +103,18 @@ def plug_ins(group: str, own: Sequence[str] = ()) -> list[PlugIn]:
     return [PlugIn(entry.name, _package(entry), entry) for entry in entries]
 
 
+def plug_in(group: str, name: str) -> PlugIn | None:
+    """The one of this name in a group; None without one."""
+    return next((each for each in plug_ins(group) if each.name == name), None)
+
+
 def plugged_file(group: str, name: str) -> Path | None:
     """The file that a function of a group returns, by its name; None without one.
 
     Raises:
         DependencyError: if the function cannot be used, or gives no file.
     """
-    found = next((each for each in plug_ins(group) if each.name == name), None)
+    found = plug_in(group, name)
     if found is None:
         return None
     path = found.call()

@@ -19,6 +19,7 @@ from fretfe.errors import FretfeError
 from fretfe.files import file_fault
 from fretfe.mesh.inp_cards import included_files
 from fretfe.mesh.templates import template_directory, template_file
+from fretfe.plugins import LOAD_FUNCTIONS, plug_in
 from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import ARRAYS
 
@@ -43,6 +44,11 @@ def input_files(case: Case) -> dict[Path, str]:
     script = template_file(template) if template else None
     if script is not None and script.parent != template_directory():
         found.setdefault(script.resolve(), "geometry.template")
+    for name, load in case.loads.items():
+        function = getattr(load, "function", None)
+        plugged = plug_in(LOAD_FUNCTIONS, function) if function else None
+        if plugged is not None and plugged.file is not None:
+            found.setdefault(plugged.file.resolve(), f"loads.{name}.function")
     return found
 
 

@@ -307,6 +307,10 @@ class TractionLoad(LoadAtPoints):
     values: tuple[Number, ...] | None = Field(
         default=None, description="Factors of the history, one for each point."
     )
+    function: Text | None = Field(
+        default=None,
+        description="Name of a plug-in that gives the factors, in place of points and file.",
+    )
     direction: SurfaceDirection = Field(
         description='"normal" (outward, so that a positive value pulls), "x", "y", "z" or a vector '
         "(its length does not matter). The history is in stress units."
@@ -314,6 +318,18 @@ class TractionLoad(LoadAtPoints):
 
     half_plane = True
     history_unit = "{stress}"
+
+    @property
+    def at_points(self) -> bool:
+        """True if it is not uniform."""
+        return self.function is not None or super().at_points
+
+    @model_validator(mode="after")
+    def _one_source(self) -> Self:
+        if self.function is not None and super().at_points:
+            raise ValueError("expected one of 'points', 'file' and 'function', found 'function' "
+                             "and another")  # fmt: skip
+        return self
 
     @property
     def push(self) -> Push:

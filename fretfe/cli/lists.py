@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -82,8 +82,12 @@ def templates(
     from fretfe.console import Console
     from fretfe.mesh.templates import find_template, template_names
 
+    def summary(name: str) -> str:
+        return find_template(name).summary
+
     if name is None:
-        table = _template_table([find_template(each) for each in template_names()])
+        columns = ("template", "geometry")
+        table = _named_table("Templates", columns, template_names(), summary)
     else:
         table = _parameter_table(find_template(name, "NAME"))
     if rank_from_environment() == 0:
@@ -99,8 +103,6 @@ def materials(
     ] = None,
 ) -> None:
     """List the materials that come with fretfe, or print one of them."""
-    from rich.markup import escape
-
     from fretfe.case.materials import find_material, material_names, read_material
     from fretfe.console import Console
 
@@ -111,21 +113,29 @@ def materials(
         read_material(path)
         print(path.read_text("utf-8"), end="")
         return
-    table = plain_table("Materials", ("material",), text=1)
-    table.add_column("source")
-    for each in material_names():
-        table.add_row(each, escape(read_material(find_material(each, Path())).source))
-    Console().print(table)
+
+    def source(name: str) -> str:
+        return read_material(find_material(name, Path())).source
+
+    Console().print(_named_table("Materials", ("material", "source"), material_names(), source))
 
 
-def _template_table(templates: Sequence[Template]) -> Table:
-    """One row per geometry template."""
+def _named_table(
+    title: str, columns: tuple[str, str], names: Iterable[str], text: Callable[[str], str]
+) -> Table:
+    """One row per name, with a text, or why there is none: one plug-in must not hide the others."""
     from rich.markup import escape
 
-    table = plain_table("Templates", ("template",), text=1)
-    table.add_column("geometry")
-    for template in templates:
-        table.add_row(template.name, escape(template.summary))
+    from fretfe.errors import FretfeError
+
+    table = plain_table(title, columns[:1], text=1)
+    table.add_column(columns[1])
+    for name in names:
+        try:
+            said = text(name)
+        except FretfeError as error:
+            said = f"not usable: {error}"
+        table.add_row(escape(name), escape(said))
     return table
 
 

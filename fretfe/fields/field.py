@@ -22,7 +22,7 @@ from fretfe.fields.sizes import require_sizes
 from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
 from fretfe.mesh.mesh import place_text
-from fretfe.plugins import PlugIn, plug_ins
+from fretfe.plugins import PlugIn, plug_in, plug_ins
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 
 # Entry points of other readers: functions as in `READERS`, by the endings of files without dots.
@@ -131,7 +131,7 @@ def field_file(path: Path, quantity: Quantity) -> Path:
 def _other_reader(path: Path) -> PlugIn | None:
     """The reader of another package whose name is the ending of a file; None without one."""
     ending = path.suffix.lower().removeprefix(".")
-    return next((each for each in plug_ins(GROUP) if each.name == ending), None)
+    return plug_in(GROUP, ending)
 
 
 def read_field(path: Path, quantity: Quantity = "displacements", arrays: Names = ()) -> Field:

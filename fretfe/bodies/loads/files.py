@@ -9,12 +9,22 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.case import Case, complaint
 from fretfe.case.base import ABSOLUTE_ZERO, AXES
-from fretfe.case.loads import EigenstrainLoad, LoadAtPoints, OtherRun, ShapeLoad, TemperatureLoad
-from fretfe.errors import CaseError
+from fretfe.case.loads import (
+    EigenstrainLoad,
+    LoadAtPoints,
+    OtherRun,
+    ShapeLoad,
+    TemperatureLoad,
+    TractionLoad,
+)
+from fretfe.case.messages import found
+from fretfe.errors import CaseError, DependencyError
 from fretfe.loads import History, build_history
 from fretfe.loads.csv_file import read_table, require_units
+from fretfe.plugins import LOAD_FUNCTIONS, PlugIn, plug_in, plug_ins
 
 # What reads files is imported where it is needed: most cases have none, and SciPy and HDF5 take a
 # while.
@@ -54,6 +64,31 @@ def values_at_points(case: Case, name: str, load: PointLoad, dimension: int) -> 
         raise CaseError(complaint(case.source, ("loads", name, "file"), str(error))) from None
 
 
+def factors_by(case: Case, name: str, function: str, places: Array) -> Array:
+    """(m,) factors of a traction at places (m, d), by a function of another package.
+
+    Raises:
+        CaseError: there is none of that name.
+        DependencyError: it cannot be used, or gives something else.
+    """
+    plugged = _function(case, name, function)
+    values = plugged.call(places.copy())
+    if not (isinstance(values, np.ndarray) and values.shape == (len(places),)
+            and values.dtype.kind in "fiu" and np.isfinite(values).all()):  # fmt: skip
+        expected = f"expected an array of {len(places)} finite numbers"
+        raise DependencyError(f"{plugged.title}: {expected}, found {found(values)}")
+    return values.astype(float)
+
+
+def _function(case: Case, name: str, function: str) -> PlugIn:
+    plugged = plug_in(LOAD_FUNCTIONS, function)
+    if plugged is None:
+        names = ", ".join(each.name for each in plug_ins(LOAD_FUNCTIONS)) or "none"
+        text = f"expected a plug-in of the group {LOAD_FUNCTIONS} ({names}), found {function!r}"
+        raise CaseError(complaint(case.source, ("loads", name, "function"), text))
+    return plugged
+
+
 def checked_history(case: Case) -> History:
     """The load history of a case, after a look at the files of its loads.
 
@@ -64,6 +99,8 @@ def checked_history(case: Case) -> History:
         CaseError: file and key, and line and column of a table, of what is not as expected.
     """
     for name, load in case.loads.items():
+        if isinstance(load, TractionLoad) and load.function is not None:
+            _function(case, name, load.function)
         try:
             if isinstance(load, OtherRun):
                 _require_field(case, load)

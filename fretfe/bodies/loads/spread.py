@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.bodies.loads.cut import Cut
-from fretfe.bodies.loads.files import values_at_points
+from fretfe.bodies.loads.files import factors_by, values_at_points
 from fretfe.bodies.point_values import NodalValues, PointValues, require_points_around
 from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.loads import (
@@ -48,7 +48,7 @@ class SurfaceTraction:
 
     boundary: str
     direction: tuple[float, ...] = ()
-    factors: PointValues | None = None
+    factors: PointValues | NodalValues | None = None
     even: bool = False
     centre: tuple[float, ...] = ()
     radius: float = 0.0
@@ -129,14 +129,22 @@ class Traction(SpreadLoad):
 
     boundary: str
     direction: tuple[float, ...] = ()
-    factors: PointValues | None = None
+    factors: PointValues | NodalValues | None = None
 
     @classmethod
     def of(cls, case: Case, name: str, load: TractionLoad, mesh: Mesh) -> tuple[Self]:
         """Those of a load of a case."""
         size, direction = case.components(mesh.dimension), load.direction
         along = () if direction == "normal" else unit_vector(direction, size)
-        factors = values_at_points(case, name, load, mesh.dimension) if load.at_points else None
+        factors: PointValues | NodalValues | None = None
+        if load.function is not None:
+            places = np.concatenate(
+                [boundary_surface(body, load.boundary).displacement_points(case.model.degree)
+                 for body in mesh.bodies.values() if load.boundary in body.boundaries]
+            )  # fmt: skip
+            factors = NodalValues(places, factors_by(case, name, load.function, places))
+        elif load.at_points:
+            factors = values_at_points(case, name, load, mesh.dimension)
         return (cls(name, load.boundary, along, factors),)
 
     @property
@@ -145,14 +153,14 @@ class Traction(SpreadLoad):
         return SurfaceTraction(self.boundary, self.direction, self.factors)
 
     @property
-    def given(self) -> tuple[PointValues, ...]:
+    def given(self) -> tuple[PointValues | NodalValues, ...]:
         """The factors."""
         return () if self.factors is None else (self.factors,)
 
     def require_mesh(self, case: Case, mesh: Mesh) -> None:
         """Check that factors reach as far as the boundary."""
         for body in mesh.bodies.values():
-            if self.factors is not None and self.boundary in body.boundaries:
+            if isinstance(self.factors, PointValues) and self.boundary in body.boundaries:
                 places = body.points[np.unique(body.boundaries[self.boundary])]
                 what = f"the boundary {self.boundary!r}"
                 require_points_around(case, self.channel, self.factors, places, what)

@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Lists of what is installed: a plug-in that is broken is named beside the others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+from harness.packages import write_package
+
+from fretfe.cli.lists import materials, templates
+
+
+@pytest.mark.parametrize(
+    ("listed", "group", "own"),
+    [(materials, "fretfe.materials", "steel"), (templates, "fretfe.templates", "cylinder")],
+)
+def test_a_broken_plug_in_hides_no_other(
+    listed: Callable[[None], None], group: str, own: str, tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str],
+) -> None:  # fmt: skip
+    monkeypatch.setenv("COLUMNS", "300")
+    monkeypatch.syspath_prepend(tmp_path)
+    write_package(tmp_path, "broken_list", "1 / 0", group, "lost = broken_list:path")
+    listed(None)
+    lines = [" ".join(line.split()) for line in capsys.readouterr().out.splitlines()]
+    assert any(line.startswith(f"{own} ") for line in lines)
+    assert any(
+        line.startswith("lost not usable: 'lost' of broken_list 1.0 cannot be used: division by")
+        for line in lines
+    ), lines
