@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -272,12 +273,15 @@ def draw_tornado(panel: Axes, effects: Sequence[Effect], explained: float, label
             place, each.at_high - each.at_low, left=each.at_low, height=0.6,
             color=BLUE if rises else VERMILLION, hatch="" if rises else "//", edgecolor="white",
         )  # fmt: skip
-    names = [f"{each.key}\n{number(each.low)} to {number(each.high)}" for each in effects]
+    # Long keys leave no room for what is below and above the bars.
+    keys = ["\n".join(re.findall(r".*\.|[^.]+$", each.key)) for each in effects]
+    names = [f"{key}\n{number(each.low)} to {number(each.high)}"
+             for key, each in zip(keys, effects, strict=True)]  # fmt: skip
     panel.set_yticks(range(len(effects)), names)
     panel.invert_yaxis()
     panel.axvline((effects[0].at_low + effects[0].at_high) / 2, color=GREY, lw=0.8)
     panel.set_xlabel(f"largest {label}")
-    panel.set_title(f"hatched: falls with the key; linear part {explained:.0%}", loc="left")
+    panel.set_title(f"hatched: falls with key\nlinear part {explained:.0%}", loc="left")
 
 
 def draw_scatter(

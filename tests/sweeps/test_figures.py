@@ -57,6 +57,17 @@ def test_bars_are_slopes_times_ranges_the_largest_on_top() -> None:
     assert panel.get_title("left").endswith("linear part 100%")
 
 
+def test_nothing_of_a_tornado_is_cut_off() -> None:
+    keys = ("geometry.parameters.flank_angle", "loads.pull.mean")
+    points = dict(zip(keys, POINTS.values(), strict=True))
+    figure = fretfe.plot_tornado(swept(points), "k_t_range").figure
+    assert isinstance(figure, Figure)
+    figure.canvas.draw()
+    drawn, whole = figure.get_tightbbox(), figure.bbox_inches
+    assert 0 <= drawn.x0 < drawn.x1 <= whole.x1
+    assert 0 <= drawn.y0 < drawn.y1 <= whole.y1
+
+
 def test_what_is_not_linear_is_told() -> None:
     grid = {"mu": (0.2, 0.4, 0.6) * 2, "load": (10.0,) * 3 + (12.0,) * 3}
     panel = fretfe.plot_tornado(swept(grid, curve=500.0), "k_t_range", Figure().subplots())
