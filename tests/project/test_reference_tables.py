@@ -57,3 +57,11 @@ def test_tractions_keep_the_law_of_friction() -> None:
         f = friction[row["case"]][row["contact"]].friction
         assert isinstance(f, float)
         assert abs(float(row["q"])) <= 1.001 * f * float(row["p"]) + 1e-3
+
+
+def test_calculix_finds_the_same_forces_and_tractions() -> None:
+    """By a penalty on other elements: the page says by how much the programs differ."""
+    found = dict(runpy.run_path(str(ROOT / "tools" / "calculix.py"))["differences"]())
+    for name, difference in found.items():
+        assert abs(difference) < (0.04 if "largest" in name or "range" in name else 0.01), name
+    assert len(found) == 16

@@ -56,6 +56,13 @@ QUESTIONS = {
     "submodel": ("command-line", "how-global-model"),
     "convergence": ("refinement",),
     "gmsh": ("geometry",),
+    "plasticity": ("from-abaqus",),
+    "friction varying": ("case-file",),
+    "sector": ("tutorial-sector",),
+    "slip zone": ("glossary",),
+    "json": ("results", "results-files", "command-line"),
+    "step file": ("geometry",),
+    "notebook": ("how-notebook",),
 }
 
 
@@ -84,7 +91,7 @@ def wrong_searches(site: Path) -> list[str]:
         f"{query!r} finds {found[query]}, expected {' or '.join(pages)} among the first {count}"
         for count, wanted in ((1, EXPECTED), (2, QUESTIONS))
         for query, pages in wanted.items()
-        if not set(pages) & set(found[query][:count])
+        if not set(pages) & set(found[query][:count]) or found[query][0] == "changes"
     ]
 
 
