@@ -18,7 +18,7 @@ copyright = "The fretfe developers"
 release = version = installed_version("fretfe")
 
 extensions = ["docstrings", "mathml", "myst_parser", "sphinx.ext.autodoc"]
-extensions += ["sphinx.ext.intersphinx", "sphinx.ext.napoleon"]
+extensions += ["sphinx.ext.intersphinx", "sphinx.ext.napoleon", "sphinx_copybutton"]
 exclude_patterns = ["demos/**"]
 
 myst_enable_extensions = ["dollarmath"]
