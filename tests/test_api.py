@@ -9,6 +9,7 @@ import json
 import logging
 import sys
 import tomllib
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -304,6 +305,18 @@ def test_a_session_shows_the_interface_and_short_results(solved: Result) -> None
     assert set(dir(fretfe)) == {*fretfe.__all__, "__version__"}
     shown = repr(solved)
     assert len(shown.splitlines()) == 3 and len(shown) < 400
+    contact = solved.contacts[0]
+    for each in (contact, contact.stations[0], solved.solution):
+        assert len(repr(each)) < 100
+    assert contact.name in repr(contact) and f"{contact.stations[0].k_range:.4g}" in repr(
+        contact.stations
+    )
+
+
+@pytest.mark.parametrize("act", [fretfe.run, fretfe.validate, lambda it: fretfe.sweep(it, {})])
+def test_a_path_is_no_case(act: Callable[[Any], object]) -> None:
+    with pytest.raises(TypeError, match=r"as load_case gives it, found 'pad\.toml'"):
+        act("pad.toml")
 
 
 def test_tables_are_a_case(pad: Path) -> None:

@@ -367,7 +367,7 @@ def no_local_problem(reason: str) -> LocalProblem:
     return LocalProblem(math.nan, math.nan, math.nan, math.nan, math.nan, (), reason)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Station(StationHistory):
     """A point of a contact front, evaluated.
 
@@ -468,6 +468,13 @@ class Station(StationHistory):
         float, Quantity("work", "error bar of that; NaN of solids and closed forms")
     ] = math.nan
     local: LocalProblem = field(default_factory=lambda: no_local_problem("it was not solved"))
+
+    def __repr__(self) -> str:
+        """One line: its place and its factors."""
+        return (
+            f"<Station {self.front}.{self.number}: K_N {self.decisive_k_n[0]:.4g}, "
+            f"range of K {self.k_range:.4g}>"
+        )
 
     @property
     def no_edge(self) -> bool:
@@ -744,7 +751,7 @@ def _none() -> Array:
     return np.empty(0)
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Contact:
     """One contact, evaluated: a surface pair, or one of several patches of it.
 
@@ -833,6 +840,11 @@ class Contact:
     lack: Withheld = TOLD
     warnings: tuple[Caution, ...]
     patches: tuple[AreaPatch, ...] = ()
+
+    def __repr__(self) -> str:
+        """One line: its name, how many states, and its fronts."""
+        fronts = ", ".join(f"{each.name} ({len(each.stations)})" for each in self.fronts)
+        return f"<Contact {self.name!r}: {len(self.force)} states, stations of fronts {fronts}>"
 
     @property
     def shear_vectors(self) -> Array:

@@ -209,7 +209,7 @@ class ContactHistory:
         return tuple((int(begin), int(end) - 1) for begin, end in ends)
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class Solution:
     """A solved load history.
 
@@ -259,6 +259,11 @@ class Solution:
     step: Indices | None = None
     choice: CycleChoice | None = None
     free: Array | None = None
+
+    def __repr__(self) -> str:
+        """One line: how many states, and the contacts."""
+        names = ", ".join(each.name for each in self.contacts)
+        return f"<Solution of {len(self.times)} states, contacts {names}>"
 
     @property
     def ends(self) -> Indices:

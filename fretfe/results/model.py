@@ -372,13 +372,13 @@ class Result:
     def __repr__(self) -> str:
         """Three lines: the case, what was solved, and where it is."""
         loads, contacts = self.loads, self.contacts
-        fronts = sum(len(each.fronts) for each in contacts)
+        plural, fronts = "s" * (len(contacts) != 1), sum(len(each.fronts) for each in contacts)
         failed = f", not complete: {self.failure}" if self.failure is not None else ""
         title = self.case.title or self.case.source.name
         return (
             f"Result of {title!r} by {self.backend or 'no backend'}\n"
             f"  {len(loads.times)} states to t = {loads.times[-1]:g} {self.case.units.time}, "
-            f"{len(contacts)} contacts, {fronts} edges or fronts{failed}\n"
+            f"{len(contacts)} contact{plural}, {fronts} edges or fronts{failed}\n"
             f"  {self.directory or 'in memory only'}"
         )
 
