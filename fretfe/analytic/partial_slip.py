@@ -40,7 +40,6 @@ A shear g across the plane makes sigma_xz = -(1/pi) Re I_g and sigma_yz = (1/pi)
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -56,6 +55,8 @@ from fretfe.analytic.profiles import Hertz, Profile
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)
 # Share of 4 f p0 by which round-off may take a tension beyond a bound: the bound itself is valid.
 ROUND_OFF = 1e-12
+# Logarithms that are taken at a time: they stay in the cache.
+LOGARITHMS = 50_000
 
 
 @dataclass(frozen=True)
@@ -386,7 +387,12 @@ def elliptical_stress(
 
 
 def linear_stress(
-    x: ArrayLike, depth: ArrayLike, nodes: Array, pressure: Array, shear: Array
+    x: ArrayLike,
+    depth: ArrayLike,
+    nodes: Array,
+    pressure: Array,
+    shear: Array,
+    along: Array | None = None,
 ) -> Array:
     """Return the stress in body 2 under tractions that are straight between nodes.
 
@@ -398,64 +404,45 @@ def linear_stress(
         nodes: (K,) increasing.
         pressure: (n, K) p there in n states, zero at the first and the last node.
         shear: (n, K) q on body 2, likewise.
+        along: (n, K) traction along z, likewise; None without.
 
     Returns:
-        (n, M, 3) sigma_xx, sigma_yy, sigma_xy.
+        (n, M, 3) sigma_xx, sigma_yy, sigma_xy; with a traction along z (n, M, 5), sigma_yz, which
+        is that traction at the surface, and sigma_xz after them.
 
     Raises:
         ValueError: if a depth is negative.
     """
+    place, below = np.asarray(x, dtype=np.float64), check_range("depth", depth, low=0.0)
+    tractions = [pressure, shear] if along is None else [pressure, shear, along]
+    jumps = np.stack([
+        np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0) for each in tractions
+    ])  # fmt: skip
+    size = max(LOGARITHMS // len(nodes), 1)
     found = [
-        _sum(*normal, *tangential)
-        for normal, tangential in _linear_integrals(x, depth, nodes, (pressure, shear))
+        _linear_part(place[start : start + size], below[start : start + size], nodes, jumps)
+        for start in range(0, len(place), size)
     ]
     return np.concatenate(found, axis=1)
 
 
-def linear_stress_across(x: ArrayLike, depth: ArrayLike, nodes: Array, shear: Array) -> Array:
-    """Return the stress of a half-plane under a shear across the plane, straight between nodes.
-
-    Args:
-        x: (M,) positions.
-        depth: (M,) distances below the surface, >= 0.
-        nodes: (K,) increasing.
-        shear: (n, K) traction along z there, zero at the first and the last node.
-
-    Returns:
-        (n, M, 2) sigma_yz, which is the traction at the surface, and sigma_xz.
-
-    Raises:
-        ValueError: if a depth is negative.
-    """
-    found = [
-        np.stack([values.imag / np.pi, -values.real / np.pi], axis=-1)
-        for ((values, _),) in _linear_integrals(x, depth, nodes, (shear,))
-    ]
-    return np.concatenate(found, axis=1)
-
-
-def _linear_integrals(
-    x: ArrayLike, depth: ArrayLike, nodes: Array, tractions: Sequence[Array]
-) -> Iterator[list[tuple[Any, Any]]]:
-    """I and y I' of each traction (n, K), (n, m) at some points after the others.
-
-    I is the integral of the traction over z less its place.
-    """
-    place = np.empty(np.shape(x), dtype=np.complex128)
-    # On the surface the imaginary part is -0: below the cut of the logarithm.
-    place.real, place.imag = x, -check_range("depth", depth, low=0.0)
-    jumps = [np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0) for each in tractions]
-    size = max(1_000_000 // len(nodes), 1)  # points at a time
-    for start in range(0, len(place), size):
-        here = place[start : start + size]
-        difference = here[:, None] - nodes
-        # The logarithm in two parts, which is seven times as fast. At a node itself both terms
-        # vanish: the depth is 0.
-        slopes = np.empty_like(difference)
-        slopes.real = np.log(np.maximum(np.abs(difference), np.finfo(float).tiny))
-        slopes.imag = np.arctan2(difference.imag, difference.real)
-        values = difference * slopes
-        yield [(each @ values.T, here.imag * (each @ slopes.T)) for each in jumps]
+def _linear_part(x: Array, depth: Array, nodes: Array, jumps: Array) -> Array:
+    """As of `linear_stress`, by the jumps (2 or 3, n, K) of the slopes of the tractions."""
+    aside, height = x[:, None] - nodes, -depth[:, None]
+    # The logarithm in two parts, which is seven times as fast. At a node itself both terms vanish:
+    # the depth is 0. On the surface the height is -0: below the cut of the logarithm.
+    square = aside**2 + height**2
+    size = np.log(np.maximum(square, np.finfo(float).tiny, out=square), out=square)
+    size *= 0.5
+    turn = np.arctan2(height, aside)
+    real = jumps[1:] @ (aside * size - height * turn).T
+    imaginary = jumps @ (aside * turn + height * size).T
+    slope = height[:, 0] * (jumps[:2] @ size.T + 1j * (jumps[:2] @ turn.T))
+    plane = _sum(1j * imaginary[0], slope[0], real[0] + 1j * imaginary[1], slope[1])
+    if len(jumps) == 2:
+        return plane
+    sheared = np.stack([imaginary[2], -real[1]], axis=-1) / np.pi
+    return np.concatenate([plane, sheared], axis=-1)
 
 
 def _sum(normal: Any, normal_slope: Any, shear: Any, shear_slope: Any) -> Array:

@@ -380,7 +380,9 @@ def _life(arrest: Arrest, data: FatigueData) -> float:
 def _by_arrest(arrest: Arrest | str, bars: _Bars) -> Judgement:
     if isinstance(arrest, str):
         return Judgement(Criterion.ARREST, reason=arrest)
-    return bars.around(Criterion.ARREST, arrest.margin)
+    # Cracks that leave aside what is known may stop beyond.
+    found = bars.around(Criterion.ARREST, arrest.margin)
+    return replace(found, high=bars.around(Criterion.ARREST, arrest.largest).high)
 
 
 def _by_distances(

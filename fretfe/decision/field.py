@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.partial_slip import linear_stress, linear_stress_across
+from fretfe.analytic.partial_slip import linear_stress
 from fretfe.case import isotropic
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import StressHistory, judged_states
@@ -60,13 +60,9 @@ class NearField:
     def at(self, points: Array) -> Array:
         """(n, M, c) stress at points (M, 2)."""
         x, depth = points[:, 0], np.maximum(-points[:, 1], 0.0)
-        plane = linear_stress(x, depth, self.nodes, self.pressure, self.shear)
-        across = self.across * (plane[..., 0] + plane[..., 1])
-        found = np.stack([plane[..., 0], plane[..., 1], across, plane[..., 2]], axis=-1)
-        if self.along is None:
-            return found
-        sheared = linear_stress_across(x, depth, self.nodes, self.along)
-        return np.concatenate([found, sheared], axis=-1)
+        plane = linear_stress(x, depth, self.nodes, self.pressure, self.shear, self.along)
+        across = self.across * (plane[..., :1] + plane[..., 1:2])
+        return np.concatenate([plane[..., :2], across, plane[..., 2:]], axis=-1)
 
 
 @dataclass(frozen=True)

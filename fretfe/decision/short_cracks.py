@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 from fretfe.analytic.cracks import EdgeCracks
 from fretfe.decision.field import EdgeField
 from fretfe.decision.thresholds import (
@@ -39,6 +39,7 @@ class CrackDrive:
         k_1, k_2: (n, A, C) through the cycle.
         ranges: (A, C) ΔK as of `opening_range`.
         ratios: (A, C) R of the part that opens them.
+        cut: (A,) whether cracks leave what is known aside, before the depth to which that is.
     """
 
     angles: Array
@@ -47,6 +48,7 @@ class CrackDrive:
     k_2: Array
     ranges: Array
     ratios: Array
+    cut: Bools
 
 
 def crack_drive(field: EdgeField, shortest: float, angles: Array = CRACK_ANGLES) -> CrackDrive:
@@ -68,7 +70,8 @@ def crack_drive(field: EdgeField, shortest: float, angles: Array = CRACK_ANGLES)
         if inside.any():
             factors[:, :, place, inside] = _factors(field, float(turn), lengths[inside])
     ranges, ratios = opening_range(factors[0], factors[1])
-    return CrackDrive(angles, lengths, factors[0], factors[1], ranges, ratios)
+    cut = np.array(reaches) < field.reach(0.0) * (1 - 1e-9)
+    return CrackDrive(angles, lengths, factors[0], factors[1], ranges, ratios, cut)
 
 
 def _factors(field: EdgeField, turn: float, lengths: Array) -> Array:
@@ -100,6 +103,7 @@ class Crack:
         stop: length at which it stops: 0 if the shortest one does not grow, infinite if it grows
             through all lengths.
         lengths, ranges, threshold: (C,) its lengths, ΔK and ΔK_th, as far as known.
+        cut: as of `CrackDrive`: it may stop beyond.
     """
 
     angle: float
@@ -107,6 +111,7 @@ class Crack:
     lengths: Array
     ranges: Array
     threshold: Array
+    cut: bool = False
 
     @property
     def relative(self) -> Array:
@@ -124,6 +129,7 @@ class Arrest:
             deeper, but this one is the first that grows through.
         margin: factor of all stresses up to which cracks stop within the lengths; infinite where
             the stress of any factor closes them.
+        largest: the same of the cracks that are not cut: the margin if all others stop beyond.
         start: factor up to which no crack of a tenth of a0 grows at any angle; NaN where the
             shortest cracks that are looked at are longer.
         a0: of short cracks.
@@ -132,6 +138,7 @@ class Arrest:
     deepest: Crack
     critical: Crack
     margin: float
+    largest: float
     start: float
     a0: float
 
@@ -152,19 +159,24 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
     short = short_threshold(drive.lengths, long, a0)
     cracks = [
         Crack(angle, arrest_length(drive.lengths[own], ranges[own] / least[own]),
-              drive.lengths[own], ranges[own], least[own])
-        for angle, own, ranges, least in zip(
-            map(float, drive.angles), known, drive.ranges, short, strict=True
+              drive.lengths[own], ranges[own], least[own], cut)
+        for angle, own, ranges, least, cut in zip(
+            map(float, drive.angles), known, drive.ranges, short, drive.cut.tolist(), strict=True
         ) if own.any()
     ]  # fmt: skip
     critical = max(cracks, key=lambda each: (each.relative.min(), each.stop))
-    least = float(critical.relative.min())
+    followed = [float(each.relative.min()) for each in cracks if not each.cut]
     first = max(float(each.relative[0]) for each in cracks)
-    start = 1 / first if first > 0 else math.inf
     return Arrest(
         deepest=max(cracks, key=lambda each: (each.stop, each.relative.min())),
         critical=critical,
-        margin=1 / least if least > 0 else math.inf,
-        start=start if drive.lengths[0] <= first_length(a0) * (1 + 1e-9) else math.nan,
+        margin=_factor(float(critical.relative.min())),
+        largest=_factor(max(followed, default=0.0)),
+        start=_factor(first) if drive.lengths[0] <= first_length(a0) * (1 + 1e-9) else math.nan,
         a0=a0,
     )
+
+
+def _factor(relative: float) -> float:
+    """By which a drive over its threshold becomes 1."""
+    return 1 / relative if relative > 0 else math.inf

@@ -75,7 +75,9 @@ class _Site:
         points = points + (mouths[:, None] + places)[..., None] * inward
         shape, found, axes = points.shape, [], []
         for name in (table.surface1, table.surface2):
-            at, normals = below(model.surfaces[name], points.reshape(-1, 3), depths)
+            # The body goes on where its part that may touch ends, and cracks go there.
+            flat = points.reshape(-1, 3)
+            at, normals = below(model.surfaces[name], flat, depths, float(depths[-1]))
             normals = normals.reshape(shape)
             ahead = inward - np.sum(inward * normals, axis=2, keepdims=True) * normals
             ahead /= np.linalg.norm(ahead, axis=2, keepdims=True)

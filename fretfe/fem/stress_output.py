@@ -257,7 +257,10 @@ def _site(
     pair = patches[0]
     contact = model.case.contacts[pair.pair]
     surfaces = model.surfaces[contact.surface1], model.surfaces[contact.surface2]
-    seen = [below(surface, pair.surface.points, depths) for surface in surfaces]
+    seen = [
+        below(surface, pair.surface.points, depths, BESIDE * surface.sizes.max())
+        for surface in surfaces
+    ]
     own = tuple(summaries[each.name] for each in patches)
     bodies = pair.body1, pair.body2
     edges = [
@@ -311,15 +314,14 @@ def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
     return found
 
 
-def below(surface: Surface, points: Array, depths: Array) -> tuple[Array, Array]:
+def below(surface: Surface, points: Array, depths: Array, beside: float) -> tuple[Array, Array]:
     """Places (D, N, d) at depths below a surface, and (N, d) outward normals; next to points.
 
-    NaN where the surface ends before a point.
+    NaN where the surface ends farther before a point than `beside`.
     """
     nearest, normals = surface.nearest(points)
     # Places are samples: the surface is their tangent plane.
     across = np.sum(normals * (nearest - points), axis=1, keepdims=True)
     places = points + across * normals
-    beside = np.linalg.norm(places - nearest, axis=1) > BESIDE * surface.sizes.max()
-    places[beside] = np.nan
+    places[np.linalg.norm(places - nearest, axis=1) > beside] = np.nan
     return places - depths[:, None, None] * normals, normals

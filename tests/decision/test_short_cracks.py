@@ -170,12 +170,15 @@ def test_the_deepest_crack_need_not_be_the_one_that_sets_the_margin() -> None:
     long = THRESHOLD.ranges[0] * np.sqrt(lengths / (lengths + 10 * SHORTEST))
     ranges = np.array([[1.5, 1.2, 0.2], [0.9, 0.9, 0.8]]) * long
     none = np.zeros((2, 2, 3))
-    drive = CrackDrive(np.array([0.0, -50.0]), lengths, none, none, ranges, np.zeros((2, 3)))
+    cut = np.array([False, True])
+    drive = CrackDrive(np.array([0.0, -50.0]), lengths, none, none, ranges, np.zeros((2, 3)), cut)
     found = judge_arrest(drive, THRESHOLD, LIMIT)
     assert not isinstance(found, str)
     assert found.deepest.angle == 0 and lengths[1] < found.deepest.stop < lengths[2]
     assert found.critical.angle == -50 and found.critical.stop == 0
     assert found.margin == pytest.approx(1 / 0.8) and found.start == pytest.approx(1 / 1.5)
+    # That one leaves what is known, and may stop beyond.
+    assert found.critical.cut and found.largest == pytest.approx(1 / 0.2)
 
 
 def test_longer_cracks_do_not_show_what_starts() -> None:
