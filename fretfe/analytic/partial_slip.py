@@ -55,8 +55,6 @@ from fretfe.analytic.profiles import Hertz, Profile
 POINTS, WEIGHTS = np.polynomial.legendre.leggauss(80)
 # Share of 4 f p0 by which round-off may take a tension beyond a bound: the bound itself is valid.
 ROUND_OFF = 1e-12
-# Logarithms that are taken at a time: they stay in the cache.
-LOGARITHMS = 50_000
 
 
 @dataclass(frozen=True)
@@ -418,7 +416,7 @@ def linear_stress(
     jumps = np.stack([
         np.diff(np.diff(each) / np.diff(nodes), prepend=0.0, append=0.0) for each in tractions
     ])  # fmt: skip
-    size = max(LOGARITHMS // len(nodes), 1)
+    size = max(50_000 // len(nodes), 1)  # points at a time: their logarithms stay in the cache
     found = [
         _linear_part(place[start : start + size], below[start : start + size], nodes, jumps)
         for start in range(0, len(place), size)

@@ -31,14 +31,14 @@ from fretfe.decision.distances import elastic_strain, judged_places, mean_stress
 from fretfe.decision.end_parts import EndPart, end_parts
 from fretfe.decision.endurance import Distance, ShearAndPressure, crossland, dang_van
 from fretfe.decision.field import EdgeField, edge_field
-from fretfe.decision.front_stations import Place, along_fronts
+from fretfe.decision.front_stations import along_fronts, worst_of
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import PAIRS, find_critical, findley, smith_watson_topper
-from fretfe.plugins import plug_ins
+from fretfe.plugins import PlugIn, plug_ins
 from fretfe.results.model import Result
 from fretfe.strength.margins import Margin, result_labels, strength_map
 
@@ -52,6 +52,21 @@ METHODS: dict[Criterion, Distance] = {
     Criterion.LINE: "line",
     Criterion.AREA: "area",
 }
+
+
+@dataclass(frozen=True)
+class _Asked:
+    """By which margins are asked for.
+
+    Attributes:
+        data: of the material.
+        margins: of tests.
+        others: criteria of other packages.
+    """
+
+    data: FatigueData
+    margins: Margins
+    others: tuple[PlugIn, ...]
 
 
 def assess(
@@ -106,7 +121,8 @@ def _assess(
         found = strength_map(tests, [result], life).margins
         margins = {(each.edge.contact, each.edge.edge, each.edge.station): each for each in found}
     parts = tuple(end_parts(result))
-    edges = tuple(_edges(result, data, margins, parts))
+    asked = _Asked(data, margins, tuple(plug_ins(GROUP)))
+    edges = tuple(_edges(result, asked, parts))
     return Assessment(
         result=result_labels([result])[0],
         material=data.path,
@@ -124,25 +140,23 @@ def _length(data: FatigueData) -> float:
     return critical_length(data.threshold, data.limit)
 
 
-def _edges(
-    result: Result, data: FatigueData, margins: Margins, parts: Sequence[EndPart]
-) -> Iterator[EdgeAssessment]:
+def _edges(result: Result, asked: _Asked, parts: Sequence[EndPart]) -> Iterator[EdgeAssessment]:
     for contact in result.contacts:
         pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
         bodies = pair.body1, pair.body2
         if result.solid:
-            yield from _fronts(result, contact, bodies, data, margins, parts)
+            yield from _fronts(result, contact, bodies, asked, parts)
             continue
         for station in contact.edges:
-            margin = margins.get(_name(contact, station))
-            by_tests = _by_tests(margin, given=bool(margins))
+            margin = asked.margins.get(_name(contact, station))
+            by_tests = _by_tests(margin, given=bool(asked.margins))
             for number, body in enumerate(bodies):
-                reason = data.disagreement(result.case.bodies[body])
+                reason = asked.data.disagreement(result.case.bodies[body])
                 field = reason or edge_field(result, contact, station, number)
                 yield replace(
-                    _edge(result, (contact, station, body), data, field, by_tests),
+                    _edge(result, (contact, station, body), asked, field, by_tests),
                     survival=None if margin is None else margin.survival,
-                    damage=_damage(result, (contact, station, number), data, field),
+                    damage=_damage(result, (contact, station, number), asked.data, field),
                 )
 
 
@@ -186,37 +200,36 @@ def _fronts(
     result: Result,
     contact: Contact,
     bodies: Sequence[str],
-    data: FatigueData,
-    margins: Margins,
+    asked: _Asked,
     parts: Sequence[EndPart],
 ) -> Iterator[EdgeAssessment]:
     """Both bodies at each front of solids."""
-    own = [each for each in parts if each.end.contact is contact]
+    own, margins = [each for each in parts if each.end.contact is contact], asked.margins
     for found in along_fronts(result, contact, own):
         body, front = bodies[found.body], found.front
         tests = {
             ("", each.number): _by_tests(margins.get(_name(contact, each)), given=bool(margins))
             for each in front.stations
         }
-        reason = data.disagreement(result.case.bodies[body])
+        reason = asked.data.disagreement(result.case.bodies[body])
         edges = {
             place: _edge(
                 result,
                 (contact, station, body),
-                data,
+                asked,
                 reason or field,
                 tests.get(place, tests["", 0]),
             )
             for place, (station, field) in found.judged.items()
         }
-        worst = _worst_of(edges, tests, own)
+        worst = worst_of(edges, tests, own)
         at = margins.get((contact.name, front.name, worst.judgements[0].station))
         yield replace(
             worst,
             lost={} if reason else _by_reason(found.lost),
             survival=None if at is None else at.survival,
             damage=None
-            if data.life is None
+            if asked.data.life is None
             else Damage(reason="the stress of solids is that of one cycle"),
         )
 
@@ -227,58 +240,17 @@ def _by_reason(lost: dict[int, str]) -> dict[str, tuple[int, ...]]:
     return {text: tuple(key for key, own in lost.items() if own == text) for text in reasons}
 
 
-def _worst_of(
-    edges: dict[Place, EdgeAssessment], tests: dict[Place, Judgement], parts: Sequence[EndPart]
-) -> EdgeAssessment:
-    """A front by the worst of its stations, each criterion for itself.
-
-    Args:
-        edges: of stations, by their places.
-        tests: the answers of tests at all stations of the run.
-        parts: sub-models of its ends.
-    """
-    first = next(iter(edges.values()))
-    away = {(each.end.name, key): own for each in parts for key, own in each.distances.items()}
-    judgements = [_worst_judgement(tests, away)] + [
-        _worst_judgement({place: each.of(one.criterion) for place, each in edges.items()}, away)
-        for one in first.judgements[1:]
-    ]
-    found = replace(
-        first,
-        judgements=tuple(judgements),
-        depth=max((own for each in edges.values() if (own := each.depth) > 0), default=math.nan),
-        straight=min(each.straight for each in edges.values()),
-    )
-    if (arrest := edges.get(judgements[1].at_station)) is not None:
-        found = replace(found, arrest=arrest.arrest, life=arrest.life)
-    least = found.governing
-    if least is not None and (at := edges.get(least.at_station)) is not None:
-        found = replace(found, bar=at.bar, spread=at.spread)
-    return found
-
-
-def _worst_judgement(each: dict[Place, Judgement], away: dict[Place, float]) -> Judgement:
-    """The one with the smallest margin; those of sub-models are so far away from their ends."""
-    known = {place: one for place, one in each.items() if not one.reason}
-    if not known:
-        return next(iter(each.values()))
-    place = min(known, key=lambda place: known[place].margin)
-    end, station = place
-    to_end = away.get(place, math.nan)
-    return replace(known[place], end=end, station=station, to_end=to_end)
-
-
 def _edge(
     result: Result,
     at: tuple[Contact, Station, str],
-    data: FatigueData,
+    asked: _Asked,
     field: EdgeField | str,
     by_tests: Judgement,
 ) -> EdgeAssessment:
-    contact, station, name = at
+    (contact, station, name), data = at, asked.data
     if isinstance(field, str):
         others = [Judgement(each, reason=field) for each in [*Criterion][1:]]
-        others += [Judgement(OtherCriterion(each.name), reason=field) for each in plug_ins(GROUP)]
+        others += [Judgement(OtherCriterion(each.name), reason=field) for each in asked.others]
         return EdgeAssessment(
             contact.name, station.front, name, station.friction, (by_tests, *others), None,
             math.nan, math.nan, math.nan,
@@ -289,7 +261,7 @@ def _edge(
     arrest, life = _arrest(field, data)
     judgements = [by_tests, _by_arrest(arrest, bars)]
     judgements += _by_distances(field, station, data, body, bars)
-    judgements += _by_others(field, station, data, bars)
+    judgements += _by_others(field, station, asked, bars)
     known = None if isinstance(arrest, str) else arrest
     return EdgeAssessment(
         contact.name, station.front, name, station.friction, tuple(judgements), known, life,
@@ -401,16 +373,21 @@ def _by_distances(
         return
     places = judged_places(field, station, length)
     limit = data.limit.stress_range**2 / (1 - data.limit.ratio) / (2 * body.young)
-    for criterion, method in METHODS.items():
-        stress = mean_stress(field, places, method, length)
-        found = find_critical(stress, elastic_strain(stress, body), smith_watson_topper)
-        at = int(np.argmax(found.value))
-        value = float(found.value[at])
-        margin = math.sqrt(limit / value) if value > 0 else math.inf
-        weight = _weight(stress[:, at], found.normal[at], body.young * value)
+    stresses = {key: mean_stress(field, places, how, length) for key, how in METHODS.items()}
+    every = np.concatenate(list(stresses.values()), axis=1)
+    found = find_critical(every, elastic_strain(every, body), smith_watson_topper)
+    values, normals = (
+        found.value.reshape(len(METHODS), -1),
+        found.normal.reshape(len(METHODS), -1, 3),
+    )
+    for (criterion, stress), value, normal in zip(stresses.items(), values, normals, strict=True):
+        at = int(np.argmax(value))
+        worst = float(value[at])
+        margin = math.sqrt(limit / worst) if worst > 0 else math.inf
+        weight = _weight(stress[:, at], normal[at], body.young * worst)
         judgement = bars.around(criterion, margin, float(places[at]), weight)
         yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
-    yield from _by_endurance(mean_stress(field, places, "point", length), places, data, body, bars)
+    yield from _by_endurance(stresses[Criterion.POINT], places, data, body, bars)
 
 
 def _weight(stress: Array, normal: Array, product: float) -> float:
@@ -454,13 +431,13 @@ def _by_endurance(
 
 
 def _by_others(
-    field: EdgeField, station: Station, data: FatigueData, bars: _Bars
+    field: EdgeField, station: Station, asked: _Asked, bars: _Bars
 ) -> Iterator[Judgement]:
     """By the criteria of other packages; one that fails has no margin."""
-    for each in plug_ins(GROUP):
+    for each in asked.others:
         criterion = OtherCriterion(each.name)
         try:
-            margin = each.call(field, station, data)
+            margin = each.call(field, station, asked.data)
         except FretfeError as error:
             yield Judgement(criterion, reason=str(error))
             continue

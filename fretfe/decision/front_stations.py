@@ -1,11 +1,16 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Stations at which the bodies of solids are judged: of the run, and of sub-models at free ends."""
+"""Stations at which the bodies of solids are judged: of the run, and of sub-models at free ends.
+
+A front is as good as the worst of them, each criterion for itself.
+"""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
+from fretfe.decision.assessment import EdgeAssessment, Judgement
 from fretfe.decision.end_parts import EndPart
 from fretfe.decision.field import EdgeField
 from fretfe.decision.station_field import BothFields, station_fields
@@ -99,3 +104,44 @@ def _with_end(run: FrontStations, part: EndPart, found: FrontStations) -> FrontS
         if isinstance(field, str):
             lost |= dict.fromkeys(part.replaced, f"by the sub-model of {part.end.name}: {field}")
     return FrontStations(run.front, run.body, run.judged | judged, lost)
+
+
+def worst_of(
+    edges: dict[Place, EdgeAssessment], tests: dict[Place, Judgement], parts: Sequence[EndPart]
+) -> EdgeAssessment:
+    """A front by the worst of its stations, each criterion for itself.
+
+    Args:
+        edges: of stations, by their places.
+        tests: the answers of tests at all stations of the run.
+        parts: sub-models of its ends.
+    """
+    first = next(iter(edges.values()))
+    away = {(each.end.name, key): own for each in parts for key, own in each.distances.items()}
+    judgements = [_worst_judgement(tests, away)] + [
+        _worst_judgement({place: each.of(one.criterion) for place, each in edges.items()}, away)
+        for one in first.judgements[1:]
+    ]
+    found = replace(
+        first,
+        judgements=tuple(judgements),
+        depth=max((own for each in edges.values() if (own := each.depth) > 0), default=math.nan),
+        straight=min(each.straight for each in edges.values()),
+    )
+    if (arrest := edges.get(judgements[1].at_station)) is not None:
+        found = replace(found, arrest=arrest.arrest, life=arrest.life)
+    least = found.governing
+    if least is not None and (at := edges.get(least.at_station)) is not None:
+        found = replace(found, bar=at.bar, spread=at.spread)
+    return found
+
+
+def _worst_judgement(each: dict[Place, Judgement], away: dict[Place, float]) -> Judgement:
+    """The one with the smallest margin; those of sub-models are so far away from their ends."""
+    known = {place: one for place, one in each.items() if not one.reason}
+    if not known:
+        return next(iter(each.values()))
+    place = min(known, key=lambda place: known[place].margin)
+    end, station = place
+    to_end = away.get(place, math.nan)
+    return replace(known[place], end=end, station=station, to_end=to_end)

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -74,12 +75,18 @@ def crack_drive(field: EdgeField, shortest: float, angles: Array = CRACK_ANGLES)
     return CrackDrive(angles, lengths, factors[0], factors[1], ranges, ratios, cut)
 
 
+@cache
+def _cracks(turn: float) -> EdgeCracks:
+    """Cracks at one angle: those of every edge are judged at the same ones."""
+    return EdgeCracks.of([turn])
+
+
 def _factors(field: EdgeField, turn: float, lengths: Array) -> Array:
     """(2, n, C) K_I and K_II of cracks at one angle.
 
     The stress goes with the root of the distance next to an edge: straight in that between places.
     """
-    cracks = EdgeCracks.of([turn])
+    cracks = _cracks(turn)
     roots = np.linspace(0, 1, 120) ** 2 * math.sqrt(lengths[-1])
     stress = field.along(turn, roots**2)[..., [0, 1, 3]]
     wanted = np.sqrt(np.multiply.outer(lengths, cracks.places))
