@@ -66,7 +66,7 @@ class _Site:
         table = model.case.contacts[contact.pair]
         mouths = np.array([each.position[states].min() for each in stations])
         # As far to both sides as the stress is looked at in depth.
-        places = depths[-1] * np.linspace(-1, 1, 9)
+        places = depths[-1] * np.linspace(-1, 1, 17)
         inward, along = (
             np.array([getattr(each.frame, name) for each in stations]).reshape(-1, 1, 3)
             for name in ("inward", "along")
