@@ -537,8 +537,11 @@ def _growth(mesh: Mesh, pair: Pair) -> float:
     surface = pair.coupling.surface
     if surface.facets is not None:
         return 0.0
-    bodies = (mesh.bodies[name] for name in (pair.body1, pair.body2))
-    return max(growth_inward(body, surface.points, surface.weights) for body in bodies)
+    bodies, sizes = (
+        (mesh.bodies[name] for name in (pair.body1, pair.body2)),
+        np.gradient(surface.arc),
+    )
+    return max(growth_inward(body, surface.points, sizes) for body in bodies)
 
 
 def _require_contact(case: Case, recorder: Recorder, dimension: int) -> None:

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from itertools import product
@@ -72,10 +73,12 @@ class Mesh:
 
 
 def growth_inward(body: BodyMesh, places: Array, sizes: Array) -> float:
-    """Growth of the elements of a plane body with the distance from a surface; 0 without any.
+    """Growth of the elements of a plane body with the distance from its fine places; 0 without any.
 
-    Root of the mean square of what an element is longer than the surface's next to it, over its
-    distance, as far inward as half the width of the surface.
+    Root of the mean square over the area, as far inward as half the width of the surface, of what
+    an element is longer than the surface's at the nearest fine place, over its distance from that.
+    The surface itself is one such place, and where its elements grow along it those that are half,
+    a quarter .. as long are others: the largest growth counts.
 
     Args:
         body: its mesh.
@@ -87,11 +90,18 @@ def growth_inward(body: BodyMesh, places: Array, sizes: Array) -> float:
 
     corners = body.points[body.cells[:, : CORNERS[body.cell]]]
     lengths = np.linalg.norm(corners - np.roll(corners, 1, axis=1), axis=2).max(axis=1)
-    distances, nearest = cKDTree(places).query(corners.mean(axis=1))
+    middles, growth = corners.mean(axis=1), np.full(len(lengths), -1.0)
+    halvings = np.floor(np.log2(sizes.max() / sizes))
+    for number in np.unique(halvings):
+        fine = halvings >= number
+        distances, nearest = cKDTree(places[fine]).query(middles)
+        own = sizes[fine][nearest]
+        counts = distances > BENEATH * own
+        growth[counts] = np.maximum(growth, (lengths - own) / distances)[counts]
     reach = float(np.linalg.norm(np.ptp(places, axis=0))) / 2
-    inside = (distances > BENEATH * sizes[nearest]) & (distances < reach)
-    growth = (lengths - sizes[nearest])[inside] / distances[inside]
-    return float(np.sqrt(np.mean(np.maximum(growth, 0.0) ** 2))) if inside.any() else 0.0
+    inside = (growth > -1.0) & (cKDTree(places).query(middles)[0] < reach)
+    squares = np.maximum(growth[inside], 0.0) ** 2
+    return math.sqrt(np.average(squares, weights=lengths[inside] ** 2)) if inside.any() else 0.0
 
 
 def place_text(point: Array) -> str:

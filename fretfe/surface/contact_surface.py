@@ -33,7 +33,7 @@ class ContactSurface:
             them, NaN elsewhere. None in the plane if they end at both ends.
         dundurs: Dundurs' beta, body 1 above, of solids in plane strain; zero of similar bodies, and
             where it has no part in the evaluation: without friction, and of crystals.
-        growth: of the elements of plane bodies with the distance from the surface; zero of
+        growth: of the elements of plane bodies with the distance from where they are fine; zero of
             half-planes, and of solutions that were read, whose evaluation is read too.
         layer: (2,) E* times the compliances of a layer to pressure and to shear, the largest all
             over the surface: lengths over which tractions next to an edge are rounded off; None

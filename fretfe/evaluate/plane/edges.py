@@ -33,9 +33,10 @@ from fretfe.history.state_array import blocks
 
 # Bodies are too stiff for waves of any length along the contact whose elements grow by g of the
 # distance from it, however fine they are at the edges: K_N is this times g^2 high with elements of
-# order 1, or g^4 with those of order 2. Half of it in cylinders, most of it in flats with rounded
-# ends, for growths of the templates of .2 to .45, in the mean of which g is 1.15 times as much.
-TOO_STIFF = {1: 0.35, 2: 0.02}
+# order 1, or g^4 with those of order 2. Half of it in cylinders, most of it in wedges and in flats
+# with rounded ends, for growths of the templates of .2 to .45, in the mean of which g is 1.1 times
+# as much, and on meshes that refine themselves.
+TOO_STIFF = {1: 0.3, 2: 0.06}
 # The edge of a discrete contact area may lie anywhere in an element, half of it to either side with
 # equal chance: nineteen of twenty are nearer than this.
 WITHIN_ELEMENT = 0.475
@@ -193,7 +194,8 @@ def with_stiff_elements(
     """A station with the bars of K_N and of the edge that hold what stiffer bodies do.
 
     The pressure is that of P less a part of it, times 1 and that part. The edge moves with P as
-    dK_I = K_N/2 da. The range has no bar where K_N is then not known to half of it.
+    dK_I = K_N/2 da. Both have one sign and add to what fits may be off. The range has no bar where
+    K_N is then not known to half of it.
 
     Args:
         station: whose bars are those of the fits.
@@ -205,8 +207,8 @@ def with_stiff_elements(
     moved = 2 * too_stiff * k_i / station.k_n
     found = replace(
         station,
-        k_n_spread=np.hypot(station.k_n_spread, too_stiff * station.k_n),
-        position_spread=np.hypot(station.position_spread, moved),
+        k_n_spread=station.k_n_spread + too_stiff * station.k_n,
+        position_spread=station.position_spread + moved,
     )
     # Where elements show no root of the pressure, the contact area of the increments is as vague.
     vague = math.isfinite(found.decisive_k_n[0]) and math.isnan(found.reported_k_n)

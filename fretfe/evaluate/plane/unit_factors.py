@@ -56,7 +56,8 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
     integrals = contact.integrals
     if integrals is None:
         return UnitFactors([np.full_like(fits, np.nan) if contact.surface.dundurs else fits])
-    fitted = np.array([_at_own_edges(solution, contact, int(area)) for area in integrals.areas])
+    areas = [_own_area(solution, contact, int(area)) for area in integrals.areas]
+    fitted, extents = np.array([each[0] for each in areas]), np.array([each[1] for each in areas])
     half_widths = (integrals.positions[:, 1] - integrals.positions[:, 0]) / 2
     # Fits see K of unlike bodies at a length in proportion to a, whatever beta is.
     beta = contact.surface.dundurs
@@ -73,24 +74,38 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
         # Few elements carry an integral where they carry no fit.
         lost = ~np.isfinite(factors).all(axis=(1, 2, 3))
         if lost.any():
-            alone = own[order, way]
-            filled = _interpolate(half_width[lost], half_widths[order], alone)
-            factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], filled)
+            alone = _without_fits(half_width[lost], extents, own[:, way])
+            factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], alone)
         return rotated(factors, beta, 1 / half_width)
 
     checks = None if beta else fits
     return UnitFactors(map(by_way, range(len(integrals.reaches))), checks)
 
 
-def _at_own_edges(solution: Solution, contact: ContactHistory, area: int) -> Array:
-    """(stations, d, J) fitted unit factors of an area at the edges that its increments have.
+def _own_area(solution: Solution, contact: ContactHistory, area: int) -> tuple[Array, float]:
+    """(stations, d, J) fitted unit factors of an area at the edges of its increments; half-width.
 
     The edges of a discrete increment are a fraction of an element away from those of the contact,
     and the integral is that of the increment.
     """
     fields, overhang = contact.full_stick.fields[area], OVERHANG[solution.degree]
     edges = effective_edges(contact.surface.arc, fields.transpose(1, 2, 0), overhang)
-    return _area_factors(contact.surface.arc, fields, edges[None], overhang)[0]
+    fits = _area_factors(contact.surface.arc, fields, edges[None], overhang)[0]
+    return fits, float(edges[1] - edges[0]) / 2
+
+
+def _without_fits(at: Array, half_widths: Array, integrals: Array) -> Array:
+    """(T, ...) unit factors at half-widths (T,), from integrals (S, ...) at others (S,).
+
+    K_T = Q/(pi sqrt(2 a)) + sigma0 sqrt(a/2)/4 of half-planes is a line, times the root of a.
+    """
+    order = np.argsort(half_widths)
+
+    def root(a: Array) -> Array:
+        return np.sqrt(a).reshape(-1, *[1] * (integrals.ndim - 1))
+
+    lines = (root(half_widths) * integrals)[order]
+    return np.asarray(_interpolate(at, half_widths[order], lines) / root(at))
 
 
 def _interpolate(at: Array, x: Array, values: Array) -> Array:
