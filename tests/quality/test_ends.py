@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.quality.ends import Compared, Level, Meeting, Rows, number_at, slip_at_edge
+from fretfe.quality.end_rows import Rows
+from fretfe.quality.ends import Compared, Level, Meeting, number_at
 
 
 def rows(distance: Array, values: Array) -> Rows:
@@ -22,13 +23,6 @@ def level(size: float, power: float, error: float = 0.0) -> Rows:
     """Rows to 2.4 that grow towards the end like distance^-power, finite on it, with an error."""
     distance = np.arange(0.0, 2.4 + size / 2, size)
     return rows(distance, (1 + error) * np.maximum(distance, size / 2) ** -power)
-
-
-def test_a_mean_ends_where_its_length_does() -> None:
-    """Of 3 - x the mean from 0 to .5 is 2.75, between rows or not."""
-    for distance in ([0.0, 0.2, 0.4, 0.8], [0.0, 0.5, 1.0]):
-        places = np.array(distance)
-        assert rows(places, 3.0 - places).mean("work", 0.5) == pytest.approx(2.75)
 
 
 def test_a_power_is_found_with_its_bar() -> None:
@@ -132,15 +126,3 @@ def test_without_stations_there_are_no_ranges() -> None:
     none = Level(level(0.1, 0.0), *np.zeros((5, 0)))
     assert not len(known(0.05, np.linspace(0.2, 1.0, 9), 0.0).with_bars(none).distance)
     assert not len(none.with_bars(none).distance)
-
-
-def test_slip_is_taken_to_the_edge_of_each_row() -> None:
-    """Of a zone of .1 whose nodes lie anywhere next to the edge, in two rows in any order."""
-    place = np.array([0.045, -0.02, 0.02, 0.13, 0.01, 0.035, -0.015, 0.06])
-    row = np.array([0, 0, 0, 0, 1, 1, 1, 1])
-    slip = np.where(place > 0, 3e-3 * np.maximum(1 - place / 0.1, 0.0) ** 1.5, 0.0)
-    np.testing.assert_allclose(slip_at_edge(place, row, slip, 2), 3e-3, rtol=1e-9)
-    # A row that slides as a whole, one with a single node, one that nowhere slips.
-    whole = slip_at_edge(place, row, np.where(place > 0, 2e-3, 0.0), 3)
-    np.testing.assert_allclose(whole, [2e-3, 2e-3, 0.0])
-    np.testing.assert_allclose(slip_at_edge(place[2:3], row[:1], slip[2:3], 1), slip[2])

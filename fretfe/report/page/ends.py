@@ -8,7 +8,8 @@ from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 from fretfe.mesh.mesh import place_text
-from fretfe.quality.ends import FITTED, NUMBERS, EndAnswer, Meeting, read_answers
+from fretfe.quality.end_rows import NUMBERS
+from fretfe.quality.ends import FITTED, EndAnswer, Meeting, read_answers
 from fretfe.report.texts import MISSING, plain_table, with_error
 from fretfe.results.model import Result
 
