@@ -13,9 +13,8 @@ def test_a_mean_ends_where_its_length_does() -> None:
     """Of 3 - x the mean from 0 to .5 is 2.75, between rows or not."""
     for distance in ([0.0, 0.2, 0.4, 0.8], [0.0, 0.5, 1.0]):
         places = np.array(distance)
-        assert Rows(places, 3.0 - places, *5 * (np.zeros(len(places)),)).mean(
-            "work", 0.5
-        ) == pytest.approx(2.75)
+        rows = Rows(places, 3.0 - places, *5 * (np.zeros(len(places)),))
+        assert rows.mean("work", 0.5) == pytest.approx(2.75)
 
 
 def test_slip_is_taken_to_the_edge_of_each_row() -> None:
