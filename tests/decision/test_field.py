@@ -158,9 +158,14 @@ def smooth_case(monkeypatch: pytest.MonkeyPatch, depths: Array) -> tuple[Result,
 
 
 def bent(points: Array) -> Array:
-    """(M, 4) a smooth stress, in a body's own axes."""
+    """(M, 4) a smooth stress in balance below a free surface, in a body's own axes.
+
+    By Airy's y² (45 + 10 x - 5 y + 15 (x² - y²/3) + 8 (x³ - x y²)), which is biharmonic.
+    """
     x, y = points.T
-    return np.stack([90 + 20 * x - 30 * y, 5 * y**2, 10 * x * y, 8 * y + x**2 * y], axis=-1)
+    along = 90 + 20 * x - 30 * y + 30 * x**2 - 60 * y**2 + 16 * x**3 - 96 * x * y**2
+    across, shear = 30 * y**2 + 48 * x * y**2, 32 * y**3 - 20 * y - 60 * x * y - 48 * x**2 * y
+    return np.stack([along, across, 10 * x * y, shear], axis=-1)
 
 
 @pytest.mark.parametrize("body", [0, 1])
@@ -186,7 +191,7 @@ def test_few_depths_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     assert "depths of 2 elements" in str(edge_field(result, contact, contact.stations[0], 1))
 
 
-@pytest.mark.parametrize(("elements", "error"), [(2.6, 0.02), (1.4, 0.5)])
+@pytest.mark.parametrize(("elements", "error"), [(2.6, 0.02), (1.4, 0.06)])
 def test_few_elements_in_a_slip_zone_lose_the_stress_next_to_the_edge(
     elements: float, error: float
 ) -> None:
