@@ -28,9 +28,10 @@ FOLDER = ROOT / "docs" / "reference"
 DIGESTS = "digests.json"
 ANGLES = (50, 55, 60)
 NUMBERS = ("k_n", "k_t_range", "slip_1", "slip_2")
-EDGE = ("position", "half_width", *(f"{name}{end}" for name in NUMBERS for end in ("", "_spread")))
+BARRED = tuple(f"{name}{end}" for name in NUMBERS for end in ("", "_spread"))
+EDGE = ("position", "half_width", *BARRED)
 # Numbers of a mesh with elements of twice the size at the edges stand beside those of the mesh.
-EDGES = ("case", "contact", "edge", *EDGE, *(f"{name}_coarse" for name in NUMBERS))
+EDGES = ("case", "contact", "edge", *EDGE, *(f"{name}_coarse" for name in BARRED))
 TRACTIONS = ("case", "contact", "time", "x", "point_x", "point_y", "p", "q")
 DIGITS = 6
 
@@ -65,7 +66,7 @@ def edge_rows(name: str, fine: fretfe.Result, coarse: fretfe.Result) -> Iterator
     """A row for each edge."""
     for record, other in zip(fine.records(), coarse.records(), strict=True):
         own = {key: record[key] for key in ("contact", "edge", *EDGE)}
-        yield {"case": name, **own, **{f"{key}_coarse": other[key] for key in NUMBERS}}
+        yield {"case": name, **own, **{f"{key}_coarse": other[key] for key in BARRED}}
 
 
 def traction_rows(name: str, result: fretfe.Result) -> Iterator[dict[str, Any]]:

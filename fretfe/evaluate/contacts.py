@@ -428,6 +428,7 @@ class Station(StationHistory):
     stiffening: Annotated[
         float, Quantity("curvature", "relative growth of dP/da with the half-width a")
     ] = math.nan
+    stiffening_spread: Annotated[float, Quantity("curvature", "its error bar; 0 of solids")] = 0.0
     k_t_range: Annotated[float, Quantity("k_t", "range of K_T over the evaluated cycle", "ΔK_T")]
     k_s_range: Annotated[float, Quantity("k_t", "range of K_S")] = 0.0
     k_range: Annotated[

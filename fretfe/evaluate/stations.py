@@ -58,6 +58,7 @@ class MovedEdge:
         reason: why it is not known, in words, of solids; empty where it is.
         stiffening: in the plane (d2P/da2)/(dP/da) = d ln K_N/da + 1/(2a), by
             K_N = (1/pi) sqrt(2/a) dP/da.
+        stiffening_spread: as `spread`, by the bars of K_N at both loads.
         state: around which the loads were changed.
     """
 
@@ -65,6 +66,7 @@ class MovedEdge:
     spread: float = math.nan
     reason: str = ""
     stiffening: float = math.nan
+    stiffening_spread: float = 0.0
     state: int = -1
 
 
@@ -262,6 +264,7 @@ class EdgeData(ABC):
             k_n_moved_spread=moved.spread,
             k_n_moved_reason=moved.reason,
             stiffening=moved.stiffening,
+            stiffening_spread=moved.stiffening_spread,
             k_t_range=cycle_range(history.k_t, states),
             k_s_range=cycle_range(history.k_s, states),
             k_range=swing,

@@ -166,7 +166,8 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
         return _judge_local(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
     lengths = [each.length for each in station.slip_zones[-2:] if not each.gross]
-    error = expected_error(station, max([*lengths, zone.length]))
+    longest = max([*lengths, zone.length])
+    error, vague = expected_error(station, longest), 0.5 * longest * station.stiffening_spread
     if math.isnan(error):
         return Judgement(
             Verdict.NO_VERDICT,
@@ -176,7 +177,8 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
         station.k_n_spread[zone.end] / station.k_n[zone.end],
         station.k_range_spread / station.k_range if station.k_range > 0 else 0.0,
     )
-    within = math.hypot(bars * zone.prediction, zone.spread, BORDER_FRACTION * zone.length)
+    of_length = math.hypot(BORDER_FRACTION, vague) * zone.length
+    within = math.hypot(bars * zone.prediction, zone.spread, of_length)
     unlike = COUPLED * station.coupling
     within += BORDER_ELEMENTS * station.size + unlike * zone.length
     if not math.isfinite(within):
@@ -189,9 +191,9 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
             "nothing to check",
         )
     reason = (
-        f"the asymptote's own error at the longer of the two lengths, about {error:.1%}, error "
-        f"bars of K_N and of the range, {bars:.1%}, and of the length, {rounded(zone.spread)}, and "
-        f"{BORDER_ELEMENTS:g} elements"
+        f"the asymptote's own error at the longer of the two lengths, about {error:.1%} ± "
+        f"{vague:.1%}, error bars of K_N and of the range, {bars:.1%}, and of the length, "
+        f"{rounded(zone.spread)}, and {BORDER_ELEMENTS:g} elements"
     )
     if unlike:
         reason += f"; unlike bodies, {unlike:.1%}"

@@ -247,11 +247,12 @@ def _beside_fine_mesh(solution: Solution, station: Station, s: Array, lengths: A
     if inside.any() or not np.isfinite(places).all():
         return None
     nearest = float(fine.ravel()[np.argmin(np.abs(fine))])
-    moves = np.abs(places - station.position[station.decisive] - nearest).max()
+    moved = station.inward * (places - station.position[station.decisive])
+    farther = np.abs(moved - nearest).max() + 4 * finest
     side = "in" if nearest > 0 else "out"
     return (
         f"elements are {station.size:.2g} long there, and {finest:.2g} from {abs(nearest):.2g} "
-        f"further {side}: the fine mesh ends {moves + 4 * finest:.2g} too early for this front"
+        f"further {side}: the fine mesh ends {farther:.2g} too early for this front"
     )
 
 

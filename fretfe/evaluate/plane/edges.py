@@ -101,7 +101,19 @@ class PlaneEdges(EdgeData):
         if nearby is None:
             return MovedEdge()
         half_width = abs(float((self.centre - fit.position)[nearby.state]))
-        return moved_edge(self.contact, nearby, front, half_width, float(exponents[nearby.state]))
+        found = moved_edge(self.contact, nearby, front, half_width, float(exponents[nearby.state]))
+        cycle = self.cycle[np.isfinite((fit.position + fit.k_n)[self.cycle])]
+        if len(cycle) < 2 or self.contact.surface.dundurs:
+            return found
+        growth, spread = growth_with_edge(
+            fit.position[cycle], fit.k_n[cycle], fit.spread_k_n[cycle]
+        )
+        growth *= -front.inward
+        # Edges move farther in the cycle where P varies enough.
+        if math.isnan(found.stiffening) or not spread < found.stiffening_spread:
+            return found
+        stiffening = growth + 0.5 / half_width
+        return replace(found, stiffening=stiffening, stiffening_spread=spread)
 
     def moved_inward(self, number: int) -> Array | float:
         """(T,) distances of an edge by fits from the last node under pressure, behind a layer."""
@@ -250,13 +262,37 @@ def moved_edge(
         return unknown
     # The last way is the one with the largest circle, which the edge stays away from.
     k_i = float(neighbours.k_i[-1, front.number])
-    growth = float(np.log(fit.k_n[1] / fit.k_n[0]) / outward)
+    growth, vague = growth_with_edge(fit.position, fit.k_n, fit.spread_k_n)
     k_n = 2 * k_i / outward
     shift = float(np.linalg.norm(fit.spread_position)) / moved
     # If the edge moved less than it seems by as much, K_N is larger by more than that.
     between = shift / (1 - shift) if shift < 1 else np.inf
     spread = abs(k_n) * between + float(np.ptp(neighbours.k_i[:, front.number])) / moved
-    return MovedEdge(k_n, spread, stiffening=growth + 0.5 / half_width, state=neighbours.state)
+    return MovedEdge(
+        k_n,
+        spread,
+        stiffening=0.5 / half_width - front.inward * growth,
+        stiffening_spread=vague,
+        state=neighbours.state,
+    )
+
+
+def growth_with_edge(position: Array, k_n: Array, spread: Array) -> tuple[float, float]:
+    """Slope of ln K_N over the place of an edge in n states, and its error bar.
+
+    The slope is that of least squares; the bar is what two bars of K_N do at both ends of the way,
+    and infinite if there is none.
+
+    Args:
+        position: (n,) along the arc.
+        k_n: (n,) K_N.
+        spread: (n,) error bars.
+    """
+    travel = float(np.ptp(position))
+    if not travel > 0:
+        return math.nan, math.inf
+    slope = np.polyfit(position - position.mean(), np.log(k_n), 1)[0]
+    return float(slope), math.sqrt(2 * float(np.mean((spread / k_n) ** 2))) / travel
 
 
 def _growth_behind(
