@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import unknown_station
-from fretfe.evaluate.warnings import _beside_plane_mesh
+from fretfe.evaluate.contacts import Station, unknown_station
+from fretfe.evaluate.warnings import _beside_fine_mesh, _beside_plane_mesh
 from fretfe.evaluate.withheld import TOLD
 from fretfe.history.solution import ContactHistory, Solution
 
@@ -41,3 +41,18 @@ def test_a_mesh_that_is_finer_at_the_other_edge_is_none_that_ends_too_early(
     told = _beside_plane_mesh(solution, cast(ContactHistory, history), station)
     assert (told or "").count("further") == bool(found)
     assert found in (told or "")
+
+
+def test_mirrored_edges_want_the_fine_mesh_to_reach_as_far() -> None:
+    """Fine elements begin .03 inward of the edge, which moves inward by .04 in the cycle."""
+    ends = np.concatenate([np.arange(-0.1, 0.03, 0.01), np.arange(0.03, 0.1, 0.002)])
+    elements = np.column_stack([ends[:-1], ends[1:]])
+    told = []
+    for inward in (1, -1):
+        place = inward * np.array([0.0, 0.02, 0.04])
+        station = SimpleNamespace(position=place, decisive=0, inward=inward, size=0.01, last=2)
+        solution = cast(Solution, SimpleNamespace(cycle=(0, 2)))
+        lengths = np.ptp(elements, axis=1)
+        told.append(_beside_fine_mesh(solution, cast(Station, station), elements, lengths))
+    assert told[0] == told[1]
+    assert told[0] is not None and "ends 0.038 too early" in told[0]

@@ -15,7 +15,7 @@ from fretfe.evaluate.contacts import RangeSpread
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import FactorHistories
 from fretfe.evaluate.load_path import LoadPath, load_path
-from fretfe.evaluate.plane.edges import unresolved
+from fretfe.evaluate.plane.edges import growth_with_edge, unresolved
 from fretfe.evaluate.stations import range_spread
 from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import Factor
@@ -119,3 +119,12 @@ def test_a_range_has_no_bar_where_k_n_is_not_known() -> None:
         assert np.isfinite(station.k_range) and np.isnan(station.reported_range)
         assert station.k_range_parts.total == station.k_range_spread == np.inf
         assert "the range of K_T has no error bar (discretisation)" in withheld(station)
+
+
+def test_growth_of_k_n_is_that_over_the_way_of_the_edge() -> None:
+    """ln K_N falls by 3 for each mm along the arc; bars of 1 % at both ends of .2 mm."""
+    place = np.array([1.0, 1.1, 1.2])
+    k_n = 50 * np.exp(-3 * place)
+    growth, bar = growth_with_edge(place, k_n, 0.01 * k_n)
+    assert growth == pytest.approx(-3) and bar == pytest.approx(0.01 * 2**0.5 / 0.2)
+    assert growth_with_edge(place[[0, 0]], k_n[[0, 0]], k_n[[0, 0]])[1] == np.inf
