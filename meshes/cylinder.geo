@@ -50,13 +50,16 @@ most = 0.9 * Min(upper_width, lower_width);
 If (zone > most)
   Error("zone: expected at most %.6g (nine tenths of the smaller of the half widths), found %g", most, zone); wrong = 1;
 EndIf
-rise = upper_radius - Sqrt(Max(upper_radius^2 - upper_width^2, 0));
-least = rise + 0.1 * upper_width;
+// A face that is too steep is to be mended first, and rises less then.
+width = Min(upper_width, 0.99 * upper_radius);
+rise = upper_radius - Sqrt(upper_radius^2 - width^2);
+least = rise + 0.1 * width;
 If (upper_height < least)
   Error("upper_height: expected at least %.6g (the face rises by %.6g and the body needs a side), found %g", least, rise, upper_height); wrong = 1;
 EndIf
-rise = lower_radius - Sqrt(Max(lower_radius^2 - lower_width^2, 0));
-least = rise + 0.1 * lower_width;
+width = lower_radius > 0 ? Min(lower_width, 0.99 * lower_radius) : lower_width;
+rise = lower_radius - Sqrt(Max(lower_radius^2 - width^2, 0));
+least = rise + 0.1 * width;
 If (lower_height < least)
   Error("lower_height: expected at least %.6g (the face rises by %.6g and the body needs a side), found %g", least, rise, lower_height); wrong = 1;
 EndIf

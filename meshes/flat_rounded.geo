@@ -56,7 +56,9 @@ least = flat_half_width + 4 * edge_size;
 If (zone < least)
   Error("zone: expected at least %.6g (the contact ends beyond flat_half_width; four elements of edge_size must fit in there), found %g", least, zone); wrong = 1;
 EndIf
-rise = radius - Sqrt(Max(radius^2 - (upper_width - flat_half_width)^2, 0));
+// A face that is too steep is to be mended first, and rises less then.
+round = Max(radius, (upper_width - flat_half_width) / 0.99);
+rise = round - Sqrt(round^2 - (upper_width - flat_half_width)^2);
 least = rise + 0.1 * upper_width;
 If (upper_height < least)
   Error("upper_height: expected at least %.6g (the face rises by %.6g and the body needs a side), found %g", least, rise, upper_height); wrong = 1;

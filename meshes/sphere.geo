@@ -45,13 +45,13 @@ cz = contact_z > 0 ? contact_z : contact_x;
 // What the parameters must satisfy together; a message begins with the name of its parameter.
 // The face must not become vertical at the corners of the body.
 wrong = 0;
-most = 0.85 / Sqrt(1 / (radius_x * Min(radius_x, rz)) + 1 / (rz * Min(radius_x, rz)));
-If (upper_width > most)
-  Error("upper_width: expected at most %.6g (the face would be too steep at the corners of the body), found %g", most, upper_width); wrong = 1;
+upper_most = 0.85 / Sqrt(1 / (radius_x * Min(radius_x, rz)) + 1 / (rz * Min(radius_x, rz)));
+If (upper_width > upper_most)
+  Error("upper_width: expected at most %.6g (the face would be too steep at the corners of the body), found %g", upper_most, upper_width); wrong = 1;
 EndIf
-most = 0.85 * lower_radius / Sqrt(2);
-If (lower_radius > 0 && lower_width > most)
-  Error("lower_width: expected at most %.6g (the face would be too steep at the corners of the body), found %g", most, lower_width); wrong = 1;
+lower_most = lower_radius > 0 ? 0.85 * lower_radius / Sqrt(2) : lower_width;
+If (lower_width > lower_most)
+  Error("lower_width: expected at most %.6g (the face would be too steep at the corners of the body), found %g", lower_most, lower_width); wrong = 1;
 EndIf
 most = 0.9 * Min(upper_width, lower_width) / zone;
 If (contact_x > most)
@@ -73,7 +73,8 @@ For up In {1 : -1 : -2}
   flat = (up < 0 && lower_radius == 0);
   rx = (up > 0) ? radius_x : lower_radius;
   r = (up > 0) ? rz : lower_radius;
-  width = (up > 0) ? upper_width : lower_width;
+  // A face that is too wide is to be narrower first, and rises less then.
+  width = (up > 0) ? Min(upper_width, upper_most) : Min(lower_width, lower_most);
   height = (up > 0) ? upper_height : lower_height;
   rise = 0;
   If (!flat)

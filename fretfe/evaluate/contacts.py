@@ -518,6 +518,11 @@ class Station(StationHistory):
         return max(self.evaluated_zones[::-1], key=lambda each: each.rank, default=None)
 
     @property
+    def slides(self) -> bool:
+        """True if the whole contact slips in a half cycle: no length is found, and none meant."""
+        return self.longest_zone is not None and self.longest_zone.gross
+
+    @property
     def evaluated_zones(self) -> tuple[SlipZone, ...]:
         """Slip zones that end in the evaluated cycle, in time order; the last two without any."""
         inside = [zone for zone in self.slip_zones if zone.end > self.first >= 0]

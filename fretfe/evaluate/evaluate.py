@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,15 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.caution import Caution, Kind, Subject
-from fretfe.evaluate.contacts import Contact, Front, fronts_of, histories, unknown_station
+from fretfe.evaluate.contacts import (
+    Contact,
+    Front,
+    SlipZone,
+    Station,
+    fronts_of,
+    histories,
+    unknown_station,
+)
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
 from fretfe.evaluate.loaded import whole_sliding, with_own_cycle
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_endless, evaluate_plane
@@ -118,6 +127,7 @@ def _evaluate_contact(
     reference_length: float | None,
 ) -> Contact:
     solid = contact.surface.facets is not None
+    share, reach = whole_sliding(solution, contact)
     changes = cycle_changes(
         solution,
         contact.mean_traction if solid else contact.traction,
@@ -130,7 +140,8 @@ def _evaluate_contact(
         # One of those that fretfe has failed to follow is not among them.
         own = tracks.get(contact.name) if tracks is not None else None
         found = evaluate_solids(solution, contact, own, reference_length)
-        warnings = solid_warnings(solution, contact, found, changes)
+        found = _sliding(solution, found, share)
+        warnings = solid_warnings(solution, contact, found, changes, slides=share > 0)
     else:
         whole = whole_contact(contact)
         if whole.endless:
@@ -139,9 +150,9 @@ def _evaluate_contact(
             found = evaluate_plane(solution, whole.contact, find_units, reference_length)
             for image in whole.images:
                 found = _of_half(solution, contact, image, found)
+        found = _sliding(solution, found, share)
         loaded = with_own_cycle(solution, whole.contact)
-        warnings = plane_warnings(loaded, whole.contact, found["fronts"], changes)
-    share, reach = whole_sliding(solution, contact)
+        warnings = plane_warnings(loaded, whole.contact, found["fronts"], changes, slides=share > 0)
     return Contact(
         name=contact.name,
         pair=contact.pair,
@@ -153,6 +164,24 @@ def _evaluate_contact(
         dissipation_change=_dissipation_change(solution, contact, found["work"]),
         warnings=tuple(warnings),
     )
+
+
+def _sliding(solution: Solution, found: dict[str, Any], share: float) -> dict[str, Any]:
+    """Results of a contact that slides, if at all: gross slip where factors tell no slip zone."""
+    if share == 0:
+        return found
+    start, end = solution.cycle or (0, len(solution.times) - 1)
+    unknown = dict.fromkeys(("length", "border", "predicted", "predicted_loop"), np.nan)
+    whole = SlipZone(start=start, end=end, spread=np.inf, resolved=True, gross=True, **unknown)
+
+    def sliding(station: Station) -> Station:
+        told = station.slip_zones or station.no_edge
+        return station if told else replace(station, slip_zones=(whole,))
+
+    fronts = (
+        replace(front, stations=tuple(map(sliding, front.stations))) for front in found["fronts"]
+    )
+    return {**found, "fronts": tuple(fronts)}
 
 
 def _of_half(

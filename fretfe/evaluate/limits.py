@@ -18,7 +18,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import AnyBody
 from fretfe.case.tables import Plane
-from fretfe.caution import Caution, Kind, Subject
+from fretfe.caution import Caution, Kind, Subject, places
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
@@ -338,7 +338,7 @@ def surface_notes(
 
 
 def unlike_notes(chosen: float | None, contacts: Collection[Contact]) -> Iterator[str]:
-    """A line for each front between unlike bodies: length of its factors, lambda and epsilon.
+    """A line for all fronts between alike pairs of unlike bodies, with the spans of their factors.
 
     Args:
         chosen: the length that a case asks for, or None.
@@ -349,23 +349,25 @@ def unlike_notes(chosen: float | None, contacts: Collection[Contact]) -> Iterato
             "edges.reference_length has no effect: there is no edge between unlike bodies with "
             "friction"
         )
+    fronts: dict[tuple[str, str], dict[Subject, list[Station]]] = {}
     for contact in contacts:
         for front in contact.fronts:
-            stations = [each for each in front.stations if each.oscillation]
-            if not stations:
-                continue
-            origin = "as edges.reference_length" if chosen else _origin(stations)
-            exponents = np.array([each.exponent for each in stations])
-            lengths = _span(np.array([each.reference_length for each in stations]), ".3g")
-            fall = _span(10 ** (exponents - 0.5) - 1, "+.1%")
-            turn = math.degrees(stations[0].oscillation * math.log(10))
-            name = front.name if contact.solid else f"{front.name} edge"
-            yield (
-                f"{contact.name}, {name}, unlike bodies: K_N at the length {lengths} ({origin}), "
-                f"K_T at a quarter and K_I at a twentieth of it; lambda = "
-                f"{_span(exponents, '.4f')}, epsilon = {stations[0].oscillation:.4f}: a length ten "
-                f"times as large changes K_N by {fall} and turns (K_T, K_I) by {turn:.2g} degrees"
-            )
+            if stations := [each for each in front.stations if each.oscillation]:
+                origin = "as edges.reference_length" if chosen else _origin(stations)
+                alike = fronts.setdefault((origin, f"{stations[0].oscillation:.4f}"), {})
+                alike[Subject(contact.name, front.name)] = stations
+    for (origin, oscillation), alike in fronts.items():
+        found = [each for stations in alike.values() for each in stations]
+        exponents = np.array([each.exponent for each in found])
+        lengths = _span(np.array([each.reference_length for each in found]), ".3g")
+        fall = _span(10 ** (exponents - 0.5) - 1, "+.1%")
+        turn = math.degrees(found[0].oscillation * math.log(10))
+        yield (
+            f"{places(alike)}: unlike bodies: K_N at the length {lengths} ({origin}), K_T at a "
+            f"quarter and K_I at a twentieth of it; lambda = {_span(exponents, '.4f')}, epsilon = "
+            f"{oscillation}: a length ten times as large changes K_N by {fall} and turns "
+            f"(K_T, K_I) by {turn:.2g} degrees"
+        )
 
 
 def _origin(stations: Iterable[Station]) -> str:

@@ -66,6 +66,8 @@ def longest_verdict(station: Station) -> Judgement:
     reason = withheld(station)
     if reason:
         return Judgement(Verdict.UNKNOWN, reason)
+    if station.friction > 0 and not station.undriven:
+        return Judgement(Verdict.UNKNOWN, "no zone is told, as where friction falls")
     return Judgement(Verdict.NO_ZONE, "there is no friction, or neither K_T nor K_S varies")
 
 

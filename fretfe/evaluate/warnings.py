@@ -49,6 +49,7 @@ NEARLY_SLIDES = 0.1
 CHORDS = 0.05
 # A kind of caution and its text.
 Finding = tuple[Kind, str]
+SLIDES: Finding = Kind.GROSS_SLIP, "the whole contact slides in the cycle"
 
 
 def plane_warnings(
@@ -56,6 +57,8 @@ def plane_warnings(
     contact: ContactHistory,
     fronts: Sequence[Front],
     changes: Sequence[float],
+    *,
+    slides: bool,
 ) -> Iterator[Caution]:
     """Cautions about a plane contact, most serious first.
 
@@ -64,6 +67,7 @@ def plane_warnings(
         contact: one of its contacts.
         fronts: left and right, of one station each.
         changes: of the shear over cycles, as of `cycle_changes`.
+        slides: whether all of it slips at a time.
     """
     name = contact.name
     yield from _nothing_known(name, fronts)
@@ -80,8 +84,8 @@ def plane_warnings(
     yield from about(name, "", _patches(contact))
     if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
-    if any(zone.gross for station in stations for zone in station.slip_zones[-2:]):
-        yield from about(name, "", [(Kind.GROSS_SLIP, "the whole contact slides in the cycle")])
+    if slides or any(station.slides for station in stations):
+        yield from about(name, "", [SLIDES])
     # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
     unknown = Kind.K_N_LINEAR if solution.degree == 1 else Kind.K_N_UNCERTAIN
     unknown = Kind.LAYER if contact.surface.layer is not None else unknown
@@ -100,6 +104,8 @@ def solid_warnings(
     contact: ContactHistory,
     found: Mapping[str, Any],
     changes: Sequence[float],
+    *,
+    slides: bool,
 ) -> Iterator[Caution]:
     """Cautions about a contact between solids, most serious first.
 
@@ -108,6 +114,7 @@ def solid_warnings(
         contact: one of its contacts.
         found: its histories and fronts, by the names of `Contact`.
         changes: of the shear over cycles, as of `cycle_changes`.
+        slides: whether all of it slips at a time.
     """
     name = contact.name
     closed, smallest = _ever_closed(contact)
@@ -115,6 +122,8 @@ def solid_warnings(
         yield from about(name, "", [_never_touch(smallest, contact.surface.weights, 3)])
         return
     yield from about(name, "", _solid_contact(solution, contact, found, closed, changes))
+    if slides:
+        yield from about(name, "", [SLIDES])
     yield from _nothing_known(name, found["fronts"])
     yield from _withheld(solution, name, found)
     assert contact.surface.facets is not None
@@ -301,12 +310,14 @@ def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> I
     k_n, ranged = station.decisive_k_n[0], math.isfinite(station.k_t_range)
     if station.lack.kind is not Lack.NOTHING:
         missing = ["K_N"] if contact.exists[station.decisive] and not math.isfinite(k_n) else []
-        if solution.cycle is not None and not ranged:
+        # Where all slides that is no measure of anything.
+        if solution.cycle is not None and not ranged and not station.slides:
             missing.append("ΔK_T")
         names = " and ".join(missing)
-        yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
+        if missing or not station.slides:
+            yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
     # Its bar has a reason of its own, unless that of K_N is too large as well.
-    alone = ranged and not _both_unknown(station)
+    alone = ranged and not station.slides and not _both_unknown(station)
     if solution.cycle is not None and alone and (reason := no_range(station)):
         yield Kind.FACTORS_UNKNOWN, f"ΔK_T unknown, because {reason}"
 
@@ -434,8 +445,12 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
         station: of a plane contact.
         kind: of the caution about K_N.
     """
+    k_n, spread = station.decisive_k_n
+    if station.slides:  # finer elements and steps do not change that
+        if math.isfinite(k_n) and math.isnan(station.reported_k_n):
+            yield Kind.FACTORS_UNKNOWN, "K_N unknown, as its error bar is more than half of it"
+        return
     if station.uncertain:
-        k_n, spread = station.decisive_k_n
         if _both_unknown(station):
             text = "their error bars are unknown or more than half of them"
             yield kind, f"K_N and ΔK_T are unknown, as {text}"
@@ -455,5 +470,5 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
     # An uncertain K_N has the same remedy, and so has one of too few nodes.
     if station.uncertain or station.lack.kind is Lack.STEEP:
         return
-    if not any(zone.gross for zone in zones) and any(not zone.resolved for zone in zones):
+    if any(not zone.resolved for zone in zones):
         yield Kind.NOT_RESOLVED, "the slip zone is not resolved by the mesh"

@@ -205,7 +205,7 @@ def _require_known(edge: str, what: str, value: float, spread: float) -> None:
 
 
 def _require_partial(edge: str, station: Station) -> None:
-    if any(zone.gross for zone in station.slip_zones[-2:]):
+    if station.slides:
         raise ModelError(
             f"edge {edge}: expected slip next to the edge only, found that the whole contact slips "
             "in the cycle: there are no edge factors that a test could match"

@@ -271,7 +271,7 @@ EDGES = (
         "gross",
         "",
         "whether the whole contact slipped in one of them",
-        lambda _, s: any(z.gross for z in s.slip_zones[-2:]),
+        lambda _, s: s.slides,
     ),
     Column(
         "resolved",

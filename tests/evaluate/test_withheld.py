@@ -77,7 +77,7 @@ def test_a_pad_that_lifts_off_needs_no_finer_elements(emptied: slice, kind: Lack
         assert math.isnan(found.k_t_range) and math.isnan(found.k_range)
         states = solution.cycle[1] - solution.cycle[0] + 1 if solution.cycle else 0
         assert (found.lack.found, found.lack.wanted) == (states - 2, states)
-        first, *_ = plane_warnings(solution, parted, fronts_of([found]), [np.nan])
+        first, *_ = plane_warnings(solution, parted, fronts_of([found]), [np.nan], slides=False)
         assert (first.kind, first.subject.front) == (Kind.FACTORS_UNKNOWN, "left")
         assert first.text == f"ΔK_T unknown, because {found.lack.text}"
         assert "smaller" not in first.text
@@ -90,7 +90,7 @@ def test_a_range_without_a_word_is_within_half_of_itself(part: float) -> None:
     bar = part * left_of(run).k_range
     parts = replace(left_of(run).k_range_parts, extraction=bar)
     found = replace(left_of(run), k_range_spread=bar, k_range_parts=parts)
-    told = plane_warnings(run.solution, contact, fronts_of([found]), [np.nan])
+    told = plane_warnings(run.solution, contact, fronts_of([found]), [np.nan], slides=False)
     unknown = [each.text for each in told if each.kind is Kind.FACTORS_UNKNOWN]
     assert len(unknown) == math.isnan(found.reported_range) == (part > 0.5)
     assert all(f"ΔK_T unknown, because {withheld(found)}" == text for text in unknown)

@@ -30,7 +30,7 @@ from fretfe.report.figures.history import (
     without_slope,
     work_loop_plots,
 )
-from fretfe.report.figures.tractions import _limits, slip_plot
+from fretfe.report.figures.tractions import _limits, _status_map, slip_plot
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
 from fretfe.report.theme import make_plot
@@ -166,6 +166,17 @@ def test_map_has_pixels_and_both_directions_of_slip(shown: Shown) -> None:
     assert plot.svg.count("data:image/png;base64,") == 3
     # Their colours stand in the legend as paths.
     assert all(colour in plot.svg for colour in ("#56b4e9", "#d55e00"))
+
+
+def test_a_contact_that_carries_nothing_is_open_in_the_map(shown: Shown) -> None:
+    """Unloaded surfaces that touch were drawn slipping, towards larger x at both flanks."""
+    force = np.where(np.arange(len(shown.summary.normal_force)) < 3, 1e-9, 1.0)
+    idle = replace(shown, summary=replace(shown.summary, normal_force=force))
+    axes = Figure().subplots()
+    _status_map(axes, idle, -1.0, 1.0, (0, 6))
+    (mesh,) = axes.collections
+    kinds = np.asarray(mesh.get_array())
+    assert (kinds[:2] == OPEN).all() and (kinds[2:] != OPEN).any(axis=1).all()
 
 
 def texts(axes: Axes) -> list[str]:

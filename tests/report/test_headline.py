@@ -212,7 +212,7 @@ def test_fronts_and_contacts_that_cannot_be_followed_are_named_beside_the_worst(
     assert found.worst.startswith("Worst of the fronts that are known: station main.1.1,")
     lost = "nothing is known of other; main, front 2, which may be worse"
     assert found.trust == f"Not to be trusted as it stands: {lost}."
-    assert "12 unknown" in found.agreement
+    assert "24 unknown" in found.agreement
     table = station_table(replace(result, contacts=(both,)))
     assert table is not None
     cells = list(table.columns[0].cells)

@@ -382,7 +382,7 @@ def test_history_that_ended_before_its_first_step(tmp_path: Path) -> None:
                 arrays[name] = first
     page = check_alone(render(folder))
     assert "svg" not in page.tags
-    assert [row[-1] for row in page.rows("Contact edges")] == ["no slip zone"] * 2
+    assert [row[-1] for row in page.rows("Contact edges")] == ["unknown"] * 2
 
 
 WITHOUT = """
@@ -419,6 +419,7 @@ def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
         for front in numbers["contacts"]["main"]["fronts"]:
             (edge,) = front["stations"]
             edge.update(slip_zones=[], k_t=[0.0] * len(edge["k_t"]), k_t_range=0.0)
+            edge.update(k_range=0.0, k_range_spread=0.0)
 
     edit_numbers(folder, edit)
     text = render(folder)

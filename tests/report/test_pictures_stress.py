@@ -34,7 +34,7 @@ from fretfe.report.pictures.looks import (
     round_up,
 )
 from fretfe.report.pictures.mesh import shares_text, visible_status
-from fretfe.report.pictures.panels import View
+from fretfe.report.pictures.panels import View, panels, settle
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
 
@@ -158,12 +158,12 @@ def test_panels_count_alike_for_the_last_colour() -> None:
 
 
 def test_edges_are_at_the_origin_on_both_bodies() -> None:
-    """Body 1 slid by 0.3 and both went down by 0.1: neither shows, the gap does."""
+    """Body 1 slid by 0.3, both went down by 0.1, a press fit lifts it by 0.02: none shows."""
     bodies = {
-        "upper": square(displacement=np.full((6, 2), [0.3, -0.1])),
+        "upper": square(displacement=np.full((6, 2), [0.3, -0.08])),
         "lower": square(displacement=np.full((6, 2), [0.01, -0.1])),
     }
-    place = EdgePlace("main", "left edge", 1, position=1.0, slip=0.02, half_width=5.0)
+    place = EdgePlace("main", "left edge", 1, 1.0, slip=0.02, half_width=5.0, overlap=0.02)
     view, moved = edge_view(contact([[0.0] * 101] * 2), place, bodies)
     for body in moved.values():
         assert view.local(body.deformed(1.0)[1]) == pytest.approx([0.0, 0.0], abs=1e-15)
@@ -173,6 +173,17 @@ def test_edges_are_at_the_origin_on_both_bodies() -> None:
         contact([[0.0] * 101] * 2), EdgePlace("m", "left edge", 1, 1.0, 0.0, 5.0), bodies
     )
     assert wide.half_size[0] == pytest.approx(0.3 * 5.0)
+
+
+def test_titles_end_before_the_next_panel_and_the_picture() -> None:
+    """Low panels in four rows are narrower than what stands above them."""
+    figure, axes = panels(8, 0.36, columns=2)
+    for each in axes:
+        each.set_title("R1, t = 3 s\nspeed = 942\nstick 0.0%, slip 100.0% of the contact")
+    settle(figure, axes, 0.36, "Status")
+    left, right = (each.get_tightbbox() for each in axes[:2])
+    assert left is not None and right is not None
+    assert left.x1 < right.x0 and right.x1 < figure.bbox.x1
 
 
 def test_nodes_at_the_limit_that_do_not_move_stick() -> None:

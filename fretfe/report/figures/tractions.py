@@ -15,6 +15,7 @@ from matplotlib.patches import Patch
 from fretfe._typing import Array, Bools
 from fretfe.case import Case, Units
 from fretfe.evaluate.contacts import Contact, SlipZone, Station
+from fretfe.evaluate.loaded import NO_LOAD
 from fretfe.evaluate.resultants import load_extremes, shear_line
 from fretfe.evaluate.slip import SMALLEST_SLIP
 from fretfe.evaluate.stress import (
@@ -228,14 +229,15 @@ def _draw(figure: Figure, shown: Shown, found: LocalParameters) -> None:
     for (top, bottom), _, (low, high) in _edge_columns(figure, shown, labels):
         seen = (arc >= low) & (arc <= high)
         slip = found.slip_range[seen] / scale
-        top.plot(arc[seen], slip, ".-", color=BLUE, lw=1.2, ms=4, markevery=sparse(slip))
+        top.plot(arc[seen], slip, ".-", color="black", lw=1.2, ms=4, markevery=sparse(slip))
         for values, colour, style, label in (
             (found.work, BLUE, "-", "friction work"),
             (found.pressed_path, GREEN, "--", "p times slip"),
             (found.ruiz, VERMILLION, ":", "q times range"),
         ):
             bottom.plot(arc[seen], values[seen], style, color=colour, lw=1.4, label=label)
-    figure.legend(*bottom.get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    # Next to the panels that it belongs to.
+    figure.legend(*bottom.get_legend_handles_labels(), loc="outside lower center", ncols=3)
 
 
 def _edge_columns(
@@ -522,6 +524,9 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
     kind = np.where((kind == SLIP) & backward, SLIP + 1, kind)
     frictionless = tractions.friction.at(steps) == 0
     kind = np.where(frictionless & (kind != OPEN), SLIP + 2, kind)
+    # What still touches without a force slips in no direction.
+    force = shown.summary.normal_force
+    kind[~(force[steps] > NO_LOAD * np.nanmax(force, initial=0.0))] = OPEN
     arc = tractions.surface.arc
     borders = np.concatenate([[arc[0]], (arc[1:] + arc[:-1]) / 2, [arc[-1]]])
     seen = np.flatnonzero((borders[1:] >= low) & (borders[:-1] <= high))

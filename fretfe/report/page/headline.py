@@ -209,8 +209,7 @@ def _trust(run: Result, contact: Contact, station: Station) -> str:
     doubts = list(_doubts(run, contact, station))
     if not doubts:
         steady = "the cycle is steady, " if contact.steady else ""
-        zone = station.longest_zone
-        slides = ", but K_T is no measure where all slides" if zone and zone.gross else ""
+        slides = ", but K_T is no measure where all slides" if station.slides else ""
         return f"To be trusted: {steady}the mesh resolves it, no limit is exceeded{slides}."
     return f"Not to be trusted as it stands: {'; '.join(doubts)}."
 
@@ -228,11 +227,12 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     lost, met = withheld(station), meeting_at(run, contact.name_of(station))
     if met is not None and not met.agrees:
         yield f"run and sub-model differ there: {both_ways(met)}"
-    for symbol, quantity in (("K_N", K_N), (_range_symbol(contact, station), K_RANGE)):
+    ranged = run.loads.cycle is not None and station.friction != 0 and not station.slides
+    wanted = [("K_N", K_N), *([(_range_symbol(contact, station), K_RANGE)] if ranged else [])]
+    for symbol, quantity in wanted:
         value, bar = _better(quantity, station, met)
-        ranged = quantity is K_N or (run.loads.cycle is not None and station.friction != 0)
-        if math.isnan(value) and ranged:
-            yield lost or f"{symbol} is unknown"
+        if math.isnan(value):
+            yield (not station.slides and lost) or f"{symbol} is unknown"
         elif value > 0 and bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
     zone, judgement = station.longest_zone, longest_verdict(station)

@@ -18,7 +18,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
-from fretfe.evaluate.verdicts import judge
+from fretfe.evaluate.verdicts import Judgement, judge, longest_verdict
 from fretfe.evaluate.withheld import Lack
 from fretfe.quality.ends import read_answers
 from fretfe.report.page.ends import end_lines
@@ -36,7 +36,6 @@ from fretfe.report.texts import (
 )
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE
-from fretfe.verdict import Verdict
 
 HEADERS = (
     *("contact", "edge", "cycles", "from t", "to t"),
@@ -373,21 +372,19 @@ class ZoneAnswer:
     Attributes:
         time: of the half cycle.
         found, predicted, ratio: lengths, and the second over the first.
-        verdict: on it.
-        reason: what the verdict rests on.
+        judged: verdict on it, with its reason.
     """
 
     time: str
     found: str
     predicted: str
     ratio: str
-    verdict: Verdict
-    reason: str
+    judged: Judgement
 
 
 @dataclass(frozen=True)
 class EdgeAnswer:
-    """An edge as text, at the end of the cycle; `zones` are the last ones in time order."""
+    """An edge as text, at the end of the cycle; `zones` are the last ones, or why none is known."""
 
     contact: str
     side: str
@@ -416,12 +413,13 @@ def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
         k_n=with_error(*K_N.read(edge)),
         k_t_range=with_error(*K_RANGE.read(edge)),
         uncertain=edge.uncertain and math.isfinite(edge.reported_k_n),
-        zones=tuple(_zone_answer(run, edge, zone) for zone in edge.slip_zones[-ZONES:]),
+        zones=tuple(_zone_answer(run, edge, zone) for zone in edge.slip_zones[-ZONES:])
+        or (ZoneAnswer(MISSING, MISSING, MISSING, MISSING, longest_verdict(edge)),),
     )
 
 
 def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
-    verdict, times = judge(edge, zone), run.loads.times
+    times = run.loads.times
     length = with_error(zone.reported_length, zone.spread)
     predicted = math.nan if zone.gross else edge.told_prediction(zone)
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
@@ -430,8 +428,7 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
         found=_or_bound(zone, marked(length, zone.uncertain) + _counted_from(edge, [zone])),
         predicted=marked(number(predicted, 3), edge.uncertain or edge.uncertain_range),
         ratio=number(ratio, 3),
-        verdict=verdict.verdict,
-        reason=verdict.reason,
+        judged=judge(edge, zone),
     )
 
 

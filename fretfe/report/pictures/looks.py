@@ -15,11 +15,15 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.case.loads import InterferenceLoad
+from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.report.pictures.fields import BodyField, Fields
 from fretfe.report.pictures.panels import SpaceView, View
 from fretfe.report.source import edge_title, extremes
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 T = TypeVar("T")
 
@@ -78,9 +82,11 @@ class EdgePlace:
         title: of its panel.
         state: that is shown.
         position: along the arc.
-        slip: length of the longer one of its last two slip zones; 0 if there is none.
+        slip: length of the longer one of its last two slip zones; 0 if there is none, NaN if that
+            is not known.
         half_width: of the contact.
-        gross: whether the whole contact slips in one of the two.
+        gross: whether the whole contact slips in a half cycle.
+        overlap: of the surfaces, by interferences of the contact.
     """
 
     contact: str
@@ -90,6 +96,7 @@ class EdgePlace:
     slip: float
     half_width: float
     gross: bool = False
+    overlap: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -170,14 +177,24 @@ def _edge_places(run: Result) -> list[EdgePlace]:
         for edge, state in itertools.product(contact.edges, extremes(run)):
             position, half_width = float(edge.position[state]), float(contact.half_width[state])
             if np.isfinite([position, half_width]).all():
-                zones = edge.slip_zones[-2:]
-                slip = float(max((zone.length for zone in zones if not zone.gross), default=0.0))
-                gross = any(zone.gross for zone in zones)
-                title = f"{contact.name}, {edge_title(edge)}"
+                title, slip = f"{contact.name}, {edge_title(edge)}", _longest(edge)
+                overlap = float(overlaps(run, [state], contact.pair).sum())
                 places.append(
-                    EdgePlace(contact.name, title, state, position, slip, half_width, gross)
+                    EdgePlace(
+                        contact.name, title, state, position, slip, half_width, edge.slides, overlap
+                    )
                 )
     return places
+
+
+def _longest(edge: Station) -> float:
+    """Length of the longer one of the last two slip zones; NaN if it may hide between nodes."""
+    zones = [zone for zone in edge.slip_zones[-2:] if not zone.gross]
+    longest = float(max((zone.length for zone in zones), default=0.0))
+    unknown = any(zone.hides for zone in zones)
+    if not zones:
+        unknown = longest_verdict(edge).verdict is not Verdict.NO_ZONE
+    return math.nan if unknown and longest == 0 else longest
 
 
 def edges_left_out(run: Result) -> list[str]:
@@ -210,7 +227,8 @@ def find_look(source: Fields, states: Sequence[int]) -> Look:
     """The look that suits some states."""
     fields = [body for state in states for body in source.bodies(state).values()]
     contacts = source.run.solution.contacts
-    scale = deformation_scale(fields, contacts, states, _interference(source.run, states))
+    overlap = float(np.abs(overlaps(source.run, states)).max(initial=0.0))
+    scale = deformation_scale(fields, contacts, states, overlap)
     if source.dimension == 2:
         view = _surroundings([body.deformed(factor) for body in fields for factor in (0.0, scale)])
         limit, largest = colour_limit([(body, None) for body in fields], BODIES_PERCENTAGE)
@@ -225,14 +243,15 @@ def find_look(source: Fields, states: Sequence[int]) -> Look:
     return Look(scale, limit, largest, (whole, cut), contact.name)
 
 
-def _interference(run: Result, states: Sequence[int]) -> float:
-    """The largest overlap by which loads press surfaces apart in some states."""
+def overlaps(run: Result, states: Sequence[int], contact: str = "") -> Array:
+    """(T, n) overlaps by which n loads press surfaces apart in T states, of one contact or all."""
     columns = [
         number
         for number, name in enumerate(run.loads.channels)
-        if run.case.loads[name].type == "interference"
+        if isinstance(load := run.case.loads[name], InterferenceLoad)
+        and contact in ("", load.contact)
     ]
-    return float(np.abs(run.loads.values[np.ix_(list(states), columns)]).max(initial=0.0))
+    return np.asarray(run.loads.values[np.ix_(list(states), columns)])
 
 
 def deformation_scale(
@@ -335,6 +354,7 @@ def edge_view(
     that single elements are all that is seen. The two bodies are moved along x so that the places
     of the edge on both of them are in the middle: contact is between places that are opposite to
     each other before deformation (small sliding), and a body that slid as a whole would hide that.
+    Of an interference surfaces keep their distance as drawn: body 1 is put where it touches.
     """
     number = int(np.abs(contact.surface.arc - edge.position).argmin())
     point = np.array(
@@ -352,7 +372,8 @@ def edge_view(
     for name in (contact.body1, contact.body2):
         body = bodies[name]
         along = body.displacement[nearest_node(point, body)] @ view.tangent
-        moved[name] = replace(body, displacement=body.displacement - along * view.tangent)
+        shift = along * view.tangent + (edge.overlap * normal if name == contact.body1 else 0.0)
+        moved[name] = replace(body, displacement=body.displacement - shift)
     return view, moved
 
 

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
 from matplotlib import colormaps
@@ -15,6 +16,7 @@ from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.collections import PathCollection
 from matplotlib.figure import Figure
+from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.path import Path as Outline
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import Bbox
@@ -168,9 +170,10 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
     grid = axes[0].get_gridspec()
     assert grid is not None
     layout = figure.get_layout_engine()
-    assert layout is not None
+    assert isinstance(layout, ConstrainedLayoutEngine)
     for _ in range(PASSES):
         layout.execute(figure)
+        _make_room(figure, axes, layout, grid.ncols)
         panel = panel_inches(axes[0])
         spare = panel - min(panel[0], panel[1] / aspect) * np.array([1.0, aspect])
         pixels = np.ceil((figure.get_size_inches() - spare * (grid.ncols, grid.nrows)) * figure.dpi)
@@ -183,6 +186,23 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
         corner = np.round(each.get_window_extent().min)
         each.set_position(Bbox(np.array([corner, corner + size]) / figure.bbox.size))
     title.set_x(axes[0].get_position().x0)
+
+
+def _make_room(
+    figure: Figure, axes: Sequence[Axes], layout: ConstrainedLayoutEngine, columns: int
+) -> None:
+    """Put columns of panels so far apart that titles end before the next one, and the picture."""
+    panels = [each.get_window_extent() for each in axes]
+    boxes = [each.get_tightbbox() or panel for each, panel in zip(axes, panels, strict=True)]
+    over = 0.0
+    for panel, box in zip(panels, boxes, strict=True):
+        next_ones = [b.x0 for p, b in zip(panels, boxes, strict=True) if p.x0 > panel.x0 + 1]
+        over = max(over, box.x1 - min([*next_ones, figure.bbox.x1]))
+    if over > 0:
+        over = over / figure.dpi + mpl.rcParams["figure.constrained_layout.w_pad"]
+        layout.set(w_pad=layout.get()["w_pad"] + over)
+        figure.set_size_inches(figure.get_size_inches() + np.array([2 * columns * over, 0.0]))
+        layout.execute(figure)
 
 
 def panel_inches(axes: Axes) -> Array:

@@ -10,6 +10,7 @@ at the contact edges; solids are drawn as a whole, and cut open at a contact.
 from __future__ import annotations
 
 import json
+import math
 import sys
 import warnings
 from collections.abc import Callable, Sequence
@@ -165,6 +166,7 @@ def draw_edges(source: Fields, edges: Sequence[EdgePlace]) -> tuple[Figure, str]
         set_limits(panel, view)
         name_axes(panel, "from the edge along x", "along y", unit)
         slip = f"longest slip zone {rounded(edge.slip)} {unit}" if edge.slip > 0 else "no slip zone"
+        slip = "slip zone unknown" if math.isnan(edge.slip) else slip
         slip = "gross slip" if edge.gross else slip
         panel.set_title(f"{edge.title}, {when(run, edge.state)}\n{slip}")
     _add_bar(figure, axes, limit, run.case.units.stress)
@@ -182,7 +184,7 @@ def draw_edges(source: Fields, edges: Sequence[EdgePlace]) -> tuple[Figure, str]
         f"Von Mises equivalent stress and elements around the contact edges at "
         f"{times_text(run, states)}, displacements in true size. Each panel is turned into the "
         "frame of its contact, with body 2 below; its origin is the edge, on both bodies, so "
-        "sliding of a whole body along x is not visible. "
+        "neither sliding of a whole body along x nor an interference is visible. "
         f"{_colour_text(source, limit, largest, EDGES_PERCENTAGE, 'area shown, panels alike')}"
         f"{left_out}"
     )

@@ -337,7 +337,7 @@ def test_bodies_that_have_parted_are_told() -> None:
     solution = SimpleNamespace(
         cycle=(2, 3), choice=None, degree=2, times=times, values=times[:, None]
     )
-    told, *_ = plane_warnings(solution, parted, (), [np.nan])  # type: ignore[arg-type]
+    told, *_ = plane_warnings(solution, parted, (), [np.nan], slides=False)  # type: ignore[arg-type]
     assert told.kind is Kind.PARTED
     assert "do not touch in the evaluated cycle, though they did before: the contact" in told.text
     assert "the smallest gap is 0.1" in told.text

@@ -487,7 +487,9 @@ def test_what_is_missing_has_a_reason() -> None:
     (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
     station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, slip_zones=())
     assert withheld(station) == ""
-    assert longest_verdict(station).verdict == Verdict.NO_ZONE
+    assert longest_verdict(station).verdict == Verdict.UNKNOWN
+    idle = replace(station, k_range=0.0, k_range_spread=0.0)
+    assert longest_verdict(idle).verdict == Verdict.NO_ZONE
     parts = RangeSpread(extraction=1.0, discretisation=70.0, steps=20.0)
     wide = replace(station, k_range_spread=parts.total, k_range_parts=parts)
     assert "100 ± 73, an error bar of more than half of it: the front is" in withheld(wide)
