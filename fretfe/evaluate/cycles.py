@@ -26,6 +26,7 @@ from fretfe.evaluate.edge_memory import slip_drive
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray, blocks
+from fretfe.loads import CycleChoice
 from fretfe.surface.friction import Friction
 
 # Changes below this fraction of the range are no reversal.
@@ -370,14 +371,21 @@ def may_become_steady(changes: Sequence[Sequence[float]]) -> bool:
     return bool(unsteady) and not any(lasting)
 
 
-def unsteady_text(changes: Sequence[float], given: bool = False) -> str:
+# Places of more cycles, by the choice of the evaluated one; else at the end.
+WHERE = {
+    CycleChoice.GIVEN: " before the one in [cycle]",
+    CycleChoice.OTHER_RUN: " to the case of the run that the cuts follow, and cut it again",
+}
+
+
+def unsteady_text(changes: Sequence[float], choice: CycleChoice | None = None) -> str:
     """Say that a cycle is not steady, and how many more it takes; empty if it is.
 
     Args:
         changes: as of `cycle_changes`.
-        given: whether `[cycle]` names the cycle.
+        choice: of the cycle.
     """
-    where = " before the one in [cycle]" if given else ""
+    where = "" if choice is None else WHERE.get(choice, "")
     now, *before = changes
     if not now >= STEADY_CHANGE:
         return ""

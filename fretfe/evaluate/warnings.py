@@ -25,7 +25,6 @@ from fretfe.evaluate.verdicts import no_range, withheld
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
-from fretfe.loads import CycleChoice
 from fretfe.surface.surface import edges_once, rim_nodes
 
 # Part of the range of K_T that may lie between the steps without a warning.
@@ -82,7 +81,7 @@ def plane_warnings(
         yield from about(name, station.front, _uncounted(solution, station))
     yield from _surfaces(contact, fronts)
     yield from about(name, "", _patches(contact))
-    if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
+    if unsteady := unsteady_text(changes, solution.choice):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
     if slides or any(station.slides for station in stations):
         yield from about(name, "", [SLIDES])
@@ -200,7 +199,7 @@ def _solid_contact(
     for each in found["patches"]:
         if each.reason:
             yield Kind.PATCH_FORCES, f"patch {each.name}: {each.reason}"
-    if unsteady := unsteady_text(changes, solution.choice is CycleChoice.GIVEN):
+    if unsteady := unsteady_text(changes, solution.choice):
         yield Kind.UNSTEADY, unsteady
 
 

@@ -13,6 +13,7 @@ from fretfe.loads.history import CycleChoice, History
 PER_EXTRAPOLATION = 3
 REASONS = {
     CycleChoice.GIVEN: "given in [cycle]",
+    CycleChoice.OTHER_RUN: "given in [cycle], of the run that the cuts follow",
     CycleChoice.LAST_PERIOD: "the last whole period of the slowest wave",
     CycleChoice.LAST_REPETITION: "the last repetition of the table with the longest period",
     CycleChoice.MISSION: "the last time at which all loads rise from zero and return to it",

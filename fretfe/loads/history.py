@@ -356,6 +356,8 @@ class CycleChoice(StrEnum):
 
     GIVEN = "given"
     """By `[cycle]` of the case."""
+    OTHER_RUN = "other run"
+    """By `[cycle]` of a part that follows the run it is cut from."""
     LAST_PERIOD = "last period"
     """The last whole period of the slowest wave."""
     LAST_REPETITION = "last repetition"
@@ -544,7 +546,7 @@ def build_history(case: Case) -> History:
 def _choice(case: Case, channels: Mapping[str, Sequence[Piece]]) -> CycleChoice:
     """The rule by which the cycle of some loads was found."""
     if case.cycle.given is not None:
-        return CycleChoice.GIVEN
+        return CycleChoice.OTHER_RUN if case.cut_loads else CycleChoice.GIVEN
     if all(piece.period is None for pieces in channels.values() for piece in pieces):
         return CycleChoice.MISSION
     entries = (entry for load in case.loads.values() for entry in load.history)

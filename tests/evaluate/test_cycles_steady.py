@@ -18,6 +18,7 @@ from fretfe.evaluate.cycles import (
     unsteady_text,
 )
 from fretfe.halfplane import solve_half_planes
+from fretfe.loads import CycleChoice
 from fretfe.results.model import Result
 from fretfe.runner import Runner
 
@@ -49,7 +50,9 @@ def test_one_cycle_tells_nothing_and_a_steady_one_needs_none() -> None:
     assert unsteady_text([0.3]).endswith(
         "add a cycle: the changes over two say about how many it takes"
     )
-    assert "; add a cycle before the one in [cycle]: the" in unsteady_text([0.3], given=True)
+    told = {choice: unsteady_text([0.3], choice) for choice in CycleChoice}
+    assert "; add a cycle before the one in [cycle]: the" in told[CycleChoice.GIVEN]
+    assert "; add a cycle to the case of the run that the cuts" in told[CycleChoice.OTHER_RUN]
     assert unsteady_text([0.9 * STEADY_CHANGE, 0.3]) == unsteady_text([math.nan]) == ""
 
 

@@ -57,7 +57,7 @@ class Headline:
 
 def headline(run: Result) -> Headline:
     """The first lines of a run."""
-    worst = _worst(run)
+    worst = worst_station(run)
     if worst is None:
         text, trust = _nothing(run), ""
     else:
@@ -66,7 +66,7 @@ def headline(run: Result) -> Headline:
     return Headline(text, trust, *rest)
 
 
-def _worst(run: Result) -> tuple[Contact, Station] | None:
+def worst_station(run: Result) -> tuple[Contact, Station] | None:
     """The station of the largest range; of what else is known where no range is."""
     known = [
         (contact, station)

@@ -22,7 +22,7 @@ from fretfe.evaluate.verdicts import Judgement, judge, longest_verdict
 from fretfe.evaluate.withheld import Lack
 from fretfe.quality.ends import read_answers
 from fretfe.report.page.ends import end_lines
-from fretfe.report.page.headline import headline, is_elsewhere
+from fretfe.report.page.headline import headline, is_elsewhere, worst_station
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
@@ -456,8 +456,11 @@ def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
     if long is steep:
         marked = {"|ΔK|/(f K_N) and d are": steep}
+    worst = worst_station(run)
     texts = [
-        f"{what} largest at {_place(run, contact, station)}: {_factors(run, station)}"
+        f"{what} largest at station {contact.name_of(station)} too"
+        if worst is not None and station is worst[1]
+        else f"{what} largest at {_place(run, contact, station)}: {_factors(run, station)}"
         for what, station in marked.items()
         if station is not None
     ]

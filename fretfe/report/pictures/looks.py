@@ -15,7 +15,6 @@ from typing import Literal, TypeVar
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case.loads import InterferenceLoad
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.history.solution import OPEN, ContactHistory
@@ -248,8 +247,8 @@ def overlaps(run: Result, states: Sequence[int], contact: str = "") -> Array:
     columns = [
         number
         for number, name in enumerate(run.loads.channels)
-        if isinstance(load := run.case.loads[name], InterferenceLoad)
-        and contact in ("", load.contact)
+        if (load := run.case.loads[name]).type == "interference"
+        and contact in ("", getattr(load, "contact", ""))
     ]
     return np.asarray(run.loads.values[np.ix_(list(states), columns)])
 
