@@ -42,6 +42,7 @@ MARKERS = "sDvPX"
 NARROW = 8
 # Beside all points, as a factor.
 MARGIN = 1.15
+PALE_MARK = 0.4
 POINTS = 60
 SCHEMA = {"name": "fretfe-strength", "version": 1}
 # Attributes of an edge and of its margin, which are keys of the file.
@@ -131,7 +132,10 @@ def _draw_fit(axes: Axes, found: StrengthMap, fit: LifeFit) -> None:
 
 
 def _draw_edges(axes: Axes, found: StrengthMap) -> None:
-    """A mark for each edge; for each front of solids at its worst station, with all in its bars."""
+    """A mark for each edge; for each front of solids at its worst station, with all in its bars.
+
+    Those without a margin, as of another f or E*, are pale: the line is not theirs.
+    """
     fronts: dict[str, list[Margin]] = {}
     for each in found.margins:
         if each.edge.k_t_range > 0 and each.edge.k_n > 0:
@@ -140,7 +144,9 @@ def _draw_edges(axes: Axes, found: StrengthMap) -> None:
     marks: dict[str, list[_Mark]] = {}
     for name, own in fronts.items():
         shown = name if by_edge else own[0].edge.result
-        marks.setdefault(shown, []).append(_Mark.of(own))
+        mark = _Mark.of(own)
+        shown = shown if mark.judged else f"{shown}\nwithout a margin"
+        marks.setdefault(shown, []).append(mark)
     for place, (name, those) in enumerate(marks.items()):
         axes.errorbar(
             [each.k_n for each in those],
@@ -151,18 +157,20 @@ def _draw_edges(axes: Axes, found: StrengthMap) -> None:
             fmt=MARKERS[place % len(MARKERS)],
             ms=6 + 5 * (len(marks) - place - 1) / len(marks),
             mfc="none", mew=1.4, color=VERMILLION, ls="none", capsize=2, lw=1.0,
+            alpha=1.0 if those[0].judged else PALE_MARK,
             label=name, zorder=3,
         )  # fmt: skip
 
 
 @dataclass(frozen=True)
 class _Mark:
-    """Place of an edge in the map, and how far its bars reach down and up."""
+    """Place of an edge in the map, how far its bars reach down and up, and if it has a margin."""
 
     k_n: float
     k_t_range: float
     k_n_bar: tuple[float, float]
     k_t_bar: tuple[float, float]
+    judged: bool
 
     @classmethod
     def of(cls, own: Sequence[Margin]) -> _Mark:
@@ -183,6 +191,7 @@ class _Mark:
             edge.k_t_range,
             bar(edge.k_n, [each.k_n for each in edges], edge.k_n_spread),
             bar(edge.k_t_range, [each.k_t_range for each in edges], edge.k_t_range_spread),
+            bool(known),
         )
 
 

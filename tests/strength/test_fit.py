@@ -477,6 +477,13 @@ def test_figure(tests: Path) -> None:
     assert axes.get_xlabel() == "K_N [MPa/√mm]" and axes.get_ylabel() == "ΔK_T [MPa·√mm]"
     low, high = axes.get_ylim()
     assert low < found.tests.k_t_range.min() and high > found.tests.k_t_range.max()
+    drawn = [each for each in axes.containers if isinstance(each, ErrorbarContainer)]
+    assert {each.lines[0].get_alpha() for each in drawn} == {1.0}
+    other = replace(found.margins[0], margin=math.nan, reason="no test has its friction")
+    axes = fretfe.plot_strength(replace(found, margins=(other,)))
+    (pale,) = [each for each in axes.containers if isinstance(each, ErrorbarContainer)]
+    assert pale.lines[0].get_alpha() == 0.4
+    assert pale.get_label() == f"{other.edge.name}\nwithout a margin"
 
 
 @pytest.mark.pictures
