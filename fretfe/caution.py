@@ -135,6 +135,12 @@ class Kind(StrEnum):
         "more than 2 % of the range of K_T may lie between the steps",
         "take more steps per cycle",
     )
+    WITHIN_STEP = (
+        "within a step",
+        "P is largest within a step",
+        "P within a divided step exceeds that at the ends of steps by more than a twentieth",
+        "K_N and figures are those of the ends of steps",
+    )
     GROSS_SLIP = (
         "gross slip",
         "gross slip",

@@ -34,6 +34,7 @@ from fretfe.contact.state import (
     lengths,
     unit,
 )
+from fretfe.contact.turning import turns
 from fretfe.errors import ConvergenceError
 from fretfe.surface.surface import edges_once
 
@@ -373,6 +374,8 @@ class Division:
         self._edges = {place.name: neighbouring_nodes(place) for place in places}
         self._turns = parts_by_turning(steps)
         self._places = places
+        # (contacts,) P so far in the step.
+        self._largest: Array = np.zeros(len(places))
 
     def solve(
         self, number: int, state: ContactState, guess: ContactState | None = None
@@ -394,6 +397,7 @@ class Division:
 
     def _solve(self, number: int, state: ContactState, guess: ContactState | None) -> list[Part]:
         begin, end = self._steps[number - 1], self._loads(number, 1.0, state)
+        self._largest = self._forces(state)
         whole = self._march.advance(state, begin, end, guess=guess)
         turns = self._turns[number] if end.friction.any() else 1
         moved = self._moved(state, whole.state, end)
@@ -430,6 +434,7 @@ class Division:
                 guess = result.state
                 continue
             yield Part(share, result)
+            self._largest = np.maximum(self._largest, self._forces(result.state))
             state, begin, done, count, guess = result.state, loads, share, count + 1, None
 
     def _loads(self, number: int, share: float, before: ContactState) -> StepLoads:
@@ -449,15 +454,26 @@ class Division:
         means = [place.averaging @ nodal[interface.contacts[place.name]] for place in self._places]
         return np.maximum(np.concatenate(means), 0.0)
 
+    def _forces(self, state: ContactState) -> Array:
+        """P of each contact in a state."""
+        interface = self._march.interface
+        pressed = interface.roots * state.traction[:, 0]
+        return np.array([pressed[nodes].sum() for nodes in interface.contacts.values()])
+
     def _moved(self, before: ContactState, after: ContactState, loads: StepLoads) -> float:
         """Movement of edges over `LARGEST_MOVE`, of the contact with friction where it is largest.
 
         Less than one if they move by no more than an element: more parts would tell nothing new.
+        At least `FASTEST` where a contact turns to another way of sliding, or parts.
         """
         interface, largest = self._march.interface, 0.0
-        for name, nodes in interface.contacts.items():
+        bound = loads.friction * before.traction[:, 0]
+        normal = np.array([self._forces(before), self._forces(after), self._largest])
+        for contact, (name, nodes) in enumerate(interface.contacts.items()):
             if not _sheared(interface, (before, after), loads, nodes):
                 continue
+            if turns(before, after, bound, nodes, normal[:, contact]):
+                largest = max(largest, FASTEST)
             closed = before.closed[nodes], after.closed[nodes]
             share = _movement(interface.roots[nodes] ** 2, *closed)
             elements = _elements(self._edges[name], *closed)

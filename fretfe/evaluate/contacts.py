@@ -837,6 +837,14 @@ class Contact:
     dissipation_change: Annotated[
         float, Quantity("", "relative change of that from the cycle before")
     ]
+    smallest_normal_force: Annotated[
+        float, Quantity("force", "smallest P in the cycle, also within steps")
+    ] = math.nan
+    largest_normal_force: Annotated[float, Quantity("force", "largest P")] = math.nan
+    smallest_shear_force: Annotated[float, Quantity("force", "smallest Q, of solids |Q|")] = (
+        math.nan
+    )
+    largest_shear_force: Annotated[float, Quantity("force", "largest Q, of solids |Q|")] = math.nan
     sliding_share: Annotated[
         float, Quantity("", "share of the time of the cycle in which all of the contact slips")
     ] = 0.0

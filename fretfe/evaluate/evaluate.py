@@ -28,7 +28,7 @@ from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.symmetry import NO_EDGE, whole_contact
 from fretfe.evaluate.plane.unit_factors import integral_units
-from fretfe.evaluate.resultants import plane_resultants, solid_resultants
+from fretfe.evaluate.resultants import force_ranges, plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
@@ -157,6 +157,7 @@ def _evaluate_contact(
         name=contact.name,
         pair=contact.pair,
         **found,
+        **force_ranges(found["normal_force"], found["shear_force"], solution.cycle),
         sliding_share=share,
         sliding_range=reach,
         cycle_change=changes[0],

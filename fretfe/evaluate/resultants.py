@@ -7,6 +7,7 @@ T is the number of states. Forces, moments and work are those of the whole conta
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 
@@ -18,6 +19,8 @@ from fretfe.history.state_array import blocks
 
 # Shear that varies by less than this fraction of the normal loads is round-off.
 SMALLEST_SHEAR = 1e-3
+# Part of the largest P below which a force is round-off.
+ROUND_OFF = 1e-9
 
 
 def load_extremes(contacts: Sequence[Contact], cycle: tuple[int, int] | None) -> list[int]:
@@ -105,6 +108,26 @@ def _range(load: Array) -> float:
     """Range where a load is known; below zero where it never is."""
     known = load[np.isfinite(load)]
     return float(np.ptp(known)) if len(known) else -1.0
+
+
+def force_ranges(normal: Array, shear: Array, cycle: tuple[int, int] | None) -> dict[str, Any]:
+    """Smallest and largest P and Q in the cycle, or in all, by the names of `Contact`.
+
+    Args:
+        normal: (T,) P.
+        shear: (T,) Q, or (T, 3) of solids, whose length counts.
+        cycle: first and last state.
+    """
+    first, last = cycle or (0, len(normal) - 1)
+    size = np.linalg.norm(shear, axis=1) if shear.ndim == 2 else shear
+    found: dict[str, Any] = {}
+    for name, force in (("normal_force", normal), ("shear_force", size)):
+        # What is left of a contact that carries nothing is round-off.
+        nothing = np.abs(force) < ROUND_OFF * np.abs(normal).max(initial=0.0)
+        known = np.where(nothing, 0.0, force)[first : last + 1]
+        found[f"smallest_{name}"] = float(known.min())
+        found[f"largest_{name}"] = float(known.max())
+    return found
 
 
 def plane_resultants(contact: ContactHistory, centre: Array) -> dict[str, Array]:

@@ -69,8 +69,8 @@ def division_notes(solution: Solution) -> tuple[str, ...]:
     return (
         f"{len(divided)} of {len(parts)} steps, the first one step {divided[0]}, were solved in "
         f"{number} parts{limit}: within them an edge moves by more than {LARGEST_MOVE:.0%} of the "
-        "half-width, or loads out of phase turn. Ranges, slip zones and friction work know the "
-        "states in between, tables and figures show the ends of the steps",
+        "half-width, loads out of phase turn, or a contact begins to slide as a whole. Ranges, "
+        "slip zones and friction work know the states in between, figures show the ends of steps",
     )
 
 

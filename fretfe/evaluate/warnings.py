@@ -17,6 +17,7 @@ from fretfe.caution import Caution, Kind, about
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
 from fretfe.evaluate.loaded import NO_LOAD, SMALL_LOAD, evaluated_states, normal_force
+from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
@@ -46,6 +47,9 @@ NEARLY_SLIDES = 0.1
 # Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
 # at R = 2.5 h, as coarse as anything round is meshed.
 CHORDS = 0.05
+# Largest P within steps over that at their ends from which on it is told, and steps that show it.
+BEYOND_ENDS = 1.05
+SHOWING_STEPS = 20
 # A kind of caution and its text.
 Finding = tuple[Kind, str]
 SLIDES: Finding = Kind.GROSS_SLIP, "the whole contact slides in the cycle"
@@ -83,6 +87,7 @@ def plane_warnings(
     yield from about(name, "", _patches(contact))
     if unsteady := unsteady_text(changes, solution.choice):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
+    yield from about(name, "", _within_step(solution, contact))
     if slides or any(station.slides for station in stations):
         yield from about(name, "", [SLIDES])
     # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
@@ -121,6 +126,7 @@ def solid_warnings(
         yield from about(name, "", [_never_touch(smallest, contact.surface.weights, 3)])
         return
     yield from about(name, "", _solid_contact(solution, contact, found, closed, changes))
+    yield from about(name, "", _within_step(solution, contact))
     if slides:
         yield from about(name, "", [SLIDES])
     yield from _nothing_known(name, found["fronts"])
@@ -137,6 +143,27 @@ def solid_warnings(
         if 2 * len(coarse) > len(told):
             text = coarse[len(coarse) // 2]
             yield from about(name, front.name, [(Kind.K_N_UNCERTAIN, text)])
+
+
+def _within_step(solution: Solution, contact: ContactHistory) -> Iterator[Finding]:
+    """P that is larger within a divided step than at the ends of steps, and steps that show it."""
+    if solution.step is None:
+        return
+    states, force = evaluated_states(solution, contact), normal_force(contact)
+    state = most_loaded(force, states)
+    ends = states[np.isin(states, solution.ends)]
+    most = float(force[ends].max(initial=0.0))
+    if not force[state] > BEYOND_ENDS * most > 0:
+        return
+    step = solution.step_of(state)
+    begin, end = solution.values[solution.ends[[step - 1, step]]]
+    varied = [f"loads.{solution.channels[each]}" for each in np.flatnonzero(end != begin)]
+    yield (
+        Kind.WITHIN_STEP,
+        f"P is {force[state]:.4g} at t = {solution.times[state]:.4g}, within step {step}, and "
+        f"{most:.4g} at most at the ends of steps: take about {SHOWING_STEPS} steps there in the "
+        f"history of {' and '.join(varied)}",
+    )
 
 
 def _too_coarse(station: Station) -> str:

@@ -19,6 +19,7 @@ from rich.console import Console
 
 from fretfe.evaluate.contacts import Contact, SlipZone, Station, fronts_of
 from fretfe.evaluate.refinement import Refinement
+from fretfe.evaluate.resultants import force_ranges
 from fretfe.quality.comparison import Row, print_rows
 from fretfe.quality.rows import Row as Checked
 from fretfe.quality.validation import Validation, print_validation
@@ -74,7 +75,9 @@ def large(contact: Contact) -> Contact:
     fronts = tuple(replace(front, local_work=2.341e-5) for front in contact.fronts)
     return replace(
         contact, name="left flank", fronts=fronts, normal_force=WIDE * contact.normal_force,
-        shear_force=WIDE * contact.shear_force, contact_area=WIDE * contact.contact_area,
+        shear_force=WIDE * contact.shear_force,
+        **force_ranges(WIDE * contact.normal_force, WIDE * contact.shear_force, None),
+        contact_area=WIDE * contact.contact_area,
         stick_area=WIDE * contact.stick_area, dissipation=1.234e-5,
     )  # fmt: skip
 
@@ -83,7 +86,7 @@ def large(contact: Contact) -> Contact:
 def test_shear_that_is_round_off_of_p_is_none(part: float, shown: str) -> None:
     run = solved("halfplane")
     normal = np.full_like(run.contacts[0].normal_force, 100.0)
-    contact = replace(run.contacts[0], normal_force=normal, shear_force=part * normal)
+    contact = replace(run.contacts[0], **force_ranges(normal, part * normal, None))
     table = contact_table(replace(run, contacts=(contact,)))
     assert list(table.columns[2].cells) == [shown]
 

@@ -39,7 +39,11 @@ WITH_CYCLES = (1.0, 0.6, 0.9, 0.6, 0.9, 0.6)
 
 @cache
 def mission(
-    name: str, parts: tuple[float, ...], friction: float = 0.0, cycle: tuple[float, ...] = ()
+    name: str,
+    parts: tuple[float, ...],
+    friction: float = 0.0,
+    cycle: tuple[float, ...] = (),
+    steps: int = STEPS,
 ) -> Result:
     """A template under ramps to parts of its largest load, one after the other."""
     data: dict[str, Any] = tomllib.loads((DEMOS / f"{name}.toml").read_text("utf-8"))
@@ -47,7 +51,7 @@ def mission(
     data["geometry"]["parameters"].update(sizes)
     (load,) = data["loads"].values()
     load["history"] = [
-        {"ramp": part * largest, "until": float(time), "steps": STEPS}
+        {"ramp": part * largest, "until": float(time), "steps": steps}
         for time, part in enumerate(parts, start=1)
     ]
     data["output"] = {"fields": "none"}
@@ -78,6 +82,25 @@ def test_k_n_is_that_of_the_largest_load_without_the_way_down(name: str) -> None
             assert mine.decisive_k_n[0] == pytest.approx(theirs.decisive_k_n[0], rel=1e-8)
             assert mine.position[STEPS] == pytest.approx(theirs.position[STEPS], rel=1e-8)
             assert mine.decisive_k_n[1] <= 1.01 * theirs.decisive_k_n[1]
+
+
+def test_ramps_of_one_step_know_where_flanks_jam() -> None:
+    """On the way down they stick, Q turns, and they slide back: nothing of it is left at its end.
+
+    Steps that are given are divided at the same places.
+    """
+    once, often = mission("dovetail", ONCE, steps=1), mission("dovetail", ONCE)
+    for one, two in zip(once.contacts, often.contacts, strict=True):
+        for force in ("normal_force", "shear_force"):
+            for end in ("smallest", "largest"):
+                mine, theirs = (getattr(each, f"{end}_{force}") for each in (one, two))
+                assert mine == pytest.approx(theirs, abs=0.01 * two.largest_normal_force)
+        assert one.smallest_shear_force < 0 < one.largest_shear_force
+        assert one.dissipation == pytest.approx(two.dissipation, rel=0.05)
+        for mine, theirs in zip(one.stations, two.stations, strict=True):
+            if np.isfinite(theirs.reported_range):
+                bar = np.hypot(mine.k_range_spread, theirs.k_range_spread)
+                assert abs(mine.k_range - theirs.k_range) < bar
 
 
 @pytest.mark.parametrize("name", NAMES)

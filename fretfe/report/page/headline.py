@@ -25,6 +25,8 @@ from fretfe.verdict import Verdict
 
 # An edge that moves by less than this part of a slip zone is in the same place.
 SAME_PLACE = 0.01
+# Largest P over that in the state of K_N from which on both are told.
+FAR_LARGER = 1.5
 
 
 @dataclass(frozen=True)
@@ -123,7 +125,7 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     zone, verdict = station.longest_zone, longest_verdict(station).verdict
     k_n, k_range = (with_error(*each.read(station)) for each in (K_N, K_RANGE))
     time = f"{run.loads.times[station.decisive]:.6g} {run.case.units.time}"
-    texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}"]
+    texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}{_lighter(run, contact, station)}"]
     if run.loads.cycle is not None and station.friction != 0:
         texts.append(f"{_range_symbol(contact, station)} {_known(k_range, run.unit('k_t'))}")
     if zone is not None and zone.gross:
@@ -135,6 +137,14 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     near = "" if end is None else _by_parts(run, contact, station) + nearest_range(run, end)
     worst = "Worst of the fronts that are known" if _lost(run) else "Worst"
     return f"{worst}: {_place(run, contact, station)}: {', '.join(texts)}{near}."
+
+
+def _lighter(run: Result, contact: Contact, station: Station) -> str:
+    """P in the state of K_N, in words, where the cycle has a far larger one; else empty."""
+    here, most = float(contact.normal_force[station.decisive]), contact.largest_normal_force
+    if not most > FAR_LARGER * here:
+        return ""
+    return f" (where P is {number(here)}, of up to {number(most)} {run.unit('force')})"
 
 
 def _lost(run: Result) -> list[Subject]:
@@ -235,6 +245,8 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
             yield (not station.slides and lost) or f"{symbol} is unknown"
         elif value > 0 and bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
+    if any(each.kind is Kind.WITHIN_STEP for each in contact.warnings):
+        yield "P is largest within a step, and K_N not that of it: see the warning"
     zone, judgement = station.longest_zone, longest_verdict(station)
     # What nodes do not show the plane problem next to the station does.
     shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)

@@ -41,8 +41,6 @@ HEADERS = (
     *("contact", "edge", "cycles", "from t", "to t"),
     *("ΔK_T", "mean K_T", "count", "d predicted"),
 )
-# Part of P below which a shear force is round-off.
-ROUND_OFF = 1e-9
 # Slip zones of an edge that are shown: those of the last loading and unloading.
 ZONES = 2
 
@@ -144,9 +142,12 @@ def contact_table(run: Result) -> Table:
     cycle = slice(evaluated[0], evaluated[1] + 1) if evaluated else slice(None)
     last = evaluated[1] if evaluated else -1
     for contact in run.contacts:
-        cells = _solid_cells if contact.solid else _plane_cells
         whole = [number(contact.sliding_range, 3) if contact.sliding_share > 0 else MISSING]
-        row = cells(contact, cycle, last, scale)
+        row = (
+            _solid_cells(contact, cycle, last, scale)
+            if contact.solid
+            else _plane_cells(contact, scale)
+        )
         table.add_row(contact.name, *row, *(whole if slides else ()))
         for patch in contact.patches:
             carried = patch.normal_force, np.linalg.norm(patch.shear_force, axis=1)
@@ -160,30 +161,29 @@ def contact_table(run: Result) -> Table:
     return table
 
 
-def _plane_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
-    normal = contact.normal_force[cycle]
+def _plane_cells(contact: Contact, scale: float) -> tuple[str, ...]:
     # The image of a half model's edge has no state that decides.
     known = (each for each in contact.stations if math.isfinite(each.decisive_k_n[0]))
     state = next(known, contact.stations[0]).decisive
     return (
-        _range(normal / scale),
-        _range(_without_round_off(contact.shear_force[cycle], normal) / scale),
+        *_forces(contact, scale, 4),
         number(contact.half_width[state]),
         _steady(contact),
         number(contact.cycle_change),
     )
 
 
-def _without_round_off(shear: Array, normal: Array) -> Array:
-    """Q, zero where it is nothing beside P."""
-    return np.where(np.abs(shear) < ROUND_OFF * np.abs(normal).max(initial=0.0), 0.0, shear)
+def _forces(contact: Contact, scale: float, digits: int) -> tuple[str, str]:
+    """Ranges of P and Q, states within steps among them."""
+    normal = contact.smallest_normal_force, contact.largest_normal_force
+    shear = contact.smallest_shear_force, contact.largest_shear_force
+    p, q = (_range(np.array(each) / scale, digits) for each in (normal, shear))
+    return p, q
 
 
 def _solid_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tuple[str, ...]:
-    normal, shear = contact.normal_force[cycle], np.linalg.norm(contact.shear_force[cycle], axis=1)
     return (
-        _range(normal / scale, digits=3),
-        _range(_without_round_off(shear, normal) / scale, digits=3),
+        *_forces(contact, scale, 3),
         number(contact.contact_area[last], 3),
         number(contact.stick_area[last], 3),
         number(contact.largest_pressure[cycle].max()),

@@ -335,7 +335,7 @@ def test_bodies_that_have_parted_are_told() -> None:
     )
     times = np.arange(float(STATES))
     solution = SimpleNamespace(
-        cycle=(2, 3), choice=None, degree=2, times=times, values=times[:, None]
+        cycle=(2, 3), choice=None, degree=2, step=None, times=times, values=times[:, None]
     )
     told, *_ = plane_warnings(solution, parted, (), [np.nan], slides=False)  # type: ignore[arg-type]
     assert told.kind is Kind.PARTED
