@@ -43,6 +43,7 @@ COLUMNS = {
     "stress.csv": export.STRESS,
     "edge_stress.csv": export.EDGE_STRESS,
     "edge_histories.csv": stress_histories.HISTORY_COLUMNS,
+    "edge_parameters.csv": stress_histories.PARAMETER_COLUMNS,
 }
 HISTORIES = {Contact: histories(Contact), Station: histories(StationHistory)}
 WORDS = Units(length="length", force="force", stress="stress", time="time")

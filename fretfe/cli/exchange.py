@@ -293,14 +293,23 @@ def export(
         return
     from fretfe.api import load_result
     from fretfe.console import Console
-    from fretfe.decision.stress_histories import edge_histories, history_table, write_histories
+    from fretfe.decision.stress_histories import (
+        edge_histories,
+        history_table,
+        parameter_table,
+        write_histories,
+    )
     from fretfe.exchange.export import export_result
 
     if angle and not depth:
         raise CaseError("--angle: expected --depth beside it, found none")
     result = load_result(results)
     histories = edge_histories(result, depth, angle or [0.0]) if depth else ()
-    more = [history_table(result, histories)] if histories else []
+    more = (
+        [history_table(result, histories), parameter_table(result, histories, fatemi_socie)]
+        if histories
+        else []
+    )
     console = Console()
     for each in export_result(result, output, fatemi_socie, more):
         rows = f"{each.rows} row{'s' if each.rows != 1 else ''}"

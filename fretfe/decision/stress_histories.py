@@ -16,11 +16,14 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.case import isotropic
+from fretfe.decision.distances import elastic_strain
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.station_field import BothFields, station_fields
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.exchange.export import STATE, ExportTable, headings
+from fretfe.evaluate.critical_planes import fatemi_socie, find_critical, smith_watson_topper
+from fretfe.exchange.export import FATEMI_SOCIE, STATE, STRESS, ExportTable, headings
 from fretfe.files import replacing, writing
 from fretfe.results.hdf5_file import new_hdf5, store
 from fretfe.results.model import Result
@@ -37,6 +40,11 @@ HISTORY_COLUMNS = (
     *STATE,
     *(Column(name, "stress", "component of the stress there") for name in TENSOR_NAMES),
 )
+PARAMETER_COLUMNS = (
+    *HISTORY_COLUMNS[:5],
+    Column("stress_spread", "stress", "error of the stress beside that of the tractions"),
+    *STRESS[-2:],
+)
 
 
 @dataclass(frozen=True)
@@ -50,6 +58,7 @@ class EdgeHistory:
         times: (n,).
         stress: (n, M, 6) `TENSOR_NAMES`.
         reason: why there is none; empty if all places are known.
+        spread: error of the stress beside that of the tractions.
     """
 
     contact: str
@@ -61,6 +70,7 @@ class EdgeHistory:
     times: Array
     stress: Array
     reason: str
+    spread: float = math.nan
 
 
 def edge_histories(
@@ -107,16 +117,18 @@ def _history(
         none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
         return EdgeHistory(*name, none, none, states, none, np.zeros((0, 0, 6)), field)
     reach = np.array([field.reach(float(each)) for each in np.radians(turns)])
-    inside = steps <= reach
+    inside = (steps >= field.finest) & (steps <= reach)
     rays = np.radians(turns[inside])
-    places = np.stack([np.sin(rays), -np.cos(rays)], axis=1) * steps[inside, None]
-    stress = np.zeros((len(field.states), len(places), 6))
-    values = field.stress(places)[..., [0, 1, 2, 3, -1, -2][: 6 if result.solid else 4]]
+    points = np.stack([np.sin(rays), -np.cos(rays)], axis=1) * steps[inside, None]
+    stress = np.zeros((len(field.states), len(points), 6))
+    values = field.stress(points)[..., [0, 1, 2, 3, -1, -2][: 6 if result.solid else 4]]
     stress[..., : values.shape[-1]] = values
     times = np.asarray(result.loads.times)[field.states]
-    beyond = f"stress is known to {reach.min():.3g} only: places beyond are left out"
+    known = f"from {field.finest:.3g} " if field.finest else ""
+    beyond = f"stress is known {known}to {reach.min():.3g} only: places beyond are left out"
     reason = "" if inside.all() else beyond
-    return EdgeHistory(*name, turns[inside], steps[inside], field.states, times, stress, reason)
+    places = turns[inside], steps[inside]
+    return EdgeHistory(*name, *places, field.states, times, stress, reason, field.smooth.spread)
 
 
 def history_table(result: Result, histories: Sequence[EdgeHistory]) -> ExportTable:
@@ -130,6 +142,38 @@ def history_table(result: Result, histories: Sequence[EdgeHistory]) -> ExportTab
     return ExportTable(
         f"{FILE}.csv", headings(HISTORY_COLUMNS, result.case.units, solid=False), rows
     )
+
+
+def parameter_table(
+    result: Result, histories: Sequence[EdgeHistory], numbers: tuple[float, float] | None = None
+) -> ExportTable:
+    """A row for each place: parameters on critical planes, as of `StressParameters`.
+
+    Args:
+        result: of isotropic bodies.
+        histories: of it.
+        numbers: k and yield stress of Fatemi and Socie, if they are known.
+
+    Raises:
+        CaseError: as for `fatemi_socie`.
+    """
+    # Without the normal stress there is nothing to be weighted by the yield stress.
+    parameters = [smith_watson_topper, fatemi_socie(0.0, 1.0)]
+    parameters += [fatemi_socie(*numbers)] if numbers else []
+    rows = []
+    for each in histories:
+        body = isotropic(result.case.bodies[each.body])
+        if body is None or not len(each.distances):
+            continue
+        stress = each.stress[..., [0, 1, 2, 3, 5, 4]]
+        strain = elastic_strain(stress, body)
+        found = [find_critical(stress, strain, parameter).value for parameter in parameters]
+        places = zip(each.angles, each.distances, np.transpose(found), strict=True)
+        name = each.contact, each.edge, each.body
+        rows += [(*name, *place, each.spread, *values) for *place, values in places]
+    columns = (*PARAMETER_COLUMNS, *([FATEMI_SOCIE] if numbers else []))
+    named = headings(columns, result.case.units, solid=False)
+    return ExportTable("edge_parameters.csv", named, iter(rows))
 
 
 def write_histories(result: Result, histories: Sequence[EdgeHistory], folder: Path) -> Path:

@@ -42,7 +42,8 @@ class BodyStress:
 
     Attributes:
         name: of the body.
-        points: (D, N, d) places before deformation; NaN where they are not in the body.
+        points: (D, N, d) places before deformation; NaN where they are not in the body, or next to
+            an edge and shallower than an element.
         normals: (N, d) outward unit normals of the body, against which the depths are counted.
         stress: (n, D, N, 4) xx, yy, zz, xy in the axes of the case, of bodies that move along z
             (n, D, N, 6) with yz, xz [stress].

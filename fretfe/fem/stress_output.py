@@ -11,8 +11,9 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from scipy.spatial import cKDTree
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools, Indices
 from fretfe.case import IS_CRYSTAL, isotropic
 from fretfe.contact.recorder import Recorder
 from fretfe.errors import OutputError
@@ -33,11 +34,16 @@ from fretfe.fem.probes import state_requests
 from fretfe.files import disk_reason
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.results.hdf5_file import StressSite, StressWriter
+from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.surface import Surface
 
 # A contact node is above the other surface if the nearest place of that is no farther away along
 # the surface than this part of the largest facet.
 BESIDE = 0.5
+# Least depth over the size of an element, but for what sizes differ from those asked for.
+SHALLOWEST = 0.95
+# Elements beside an edge in which that counts.
+NEAR_EDGE = 2.0
 
 
 @dataclass(frozen=True)
@@ -121,11 +127,11 @@ class _Writer:
         self._depths = np.array(model.case.output.stress_depths)
         self._components = len(stress_pairs(model.components))
         summaries = {each.name: each for each in contacts}
+        self.states = judged_states(solution, contacts)
         self._sites = [
-            _site(model, tuple(patches), summaries, self._depths)
+            _site(model, tuple(patches), summaries, self._depths, self.states)
             for _, patches in groupby(solution.contacts, key=lambda each: each.pair)
         ]
-        self.states = judged_states(solution, contacts)
         self._reasons: dict[str, list[Counter[str]]] = {
             site.contact: [Counter() for _ in site.edges] for site in self._sites
         }
@@ -252,6 +258,7 @@ def _site(
     patches: tuple[ContactHistory, ...],
     summaries: dict[str, Contact],
     depths: Array,
+    states: Indices,
 ) -> _Site:
     """A contact and where the stress around it is looked at."""
     pair = patches[0]
@@ -270,6 +277,10 @@ def _site(
         for body in bodies
     ]
     points, normals = (np.array(each) for each in zip(*seen, strict=True))
+    places = np.array([station.position[states] for each in own for station in each.stations])
+    for each, surface in zip(points, surfaces, strict=True):
+        if len(places):
+            each[untold(surface, pair.surface, depths, places)] = np.nan
     degree = model.case.model.degree
     strains = [SurfaceStrain.of(surface, degree, pair.surface) for surface in surfaces]
     laws = [SurfaceLaw.of(model.case.bodies[name], model.case.model.plane) for name in bodies]
@@ -325,3 +336,23 @@ def below(surface: Surface, points: Array, depths: Array, beside: float) -> tupl
     places = points + across * normals
     places[np.linalg.norm(places - nearest, axis=1) > beside] = np.nan
     return places - depths[:, None, None] * normals, normals
+
+
+def untold(surface: Surface, pair: ContactSurface, depths: Array, edges: Array) -> Bools:
+    """(D, N) places inside of the outermost elements and next to an edge.
+
+    Tractions end there, and the stress is as much a matter of the mesh.
+
+    Args:
+        surface: of the body.
+        pair: nodes of the contact.
+        depths: (D,).
+        edges: (e, n) places of all edges along the arc; NaN where there is none.
+    """
+    size = surface.sizes[cKDTree(surface.nodes.mean(axis=1)).query(pair.points)[1]]
+    known = edges[np.isfinite(edges).any(axis=1)]
+    low, high = np.nanmin(known, axis=1), np.nanmax(known, axis=1)
+    arc, aside = pair.arc[:, None], NEAR_EDGE * size[:, None]
+    beside = ((arc > low - aside) & (arc < high + aside)).any(axis=1)
+    shallow = (depths[:, None] > 0) & (depths[:, None] < SHALLOWEST * size)
+    return np.asarray(shallow & beside)

@@ -13,7 +13,7 @@ from cases.stored_runs import solved, write_run
 from typer.testing import CliRunner
 
 from fretfe.cli.app import app
-from fretfe.decision.stress_histories import TENSOR_NAMES, edge_histories
+from fretfe.decision.stress_histories import TENSOR_NAMES, edge_histories, parameter_table
 from fretfe.errors import CaseError
 
 
@@ -59,8 +59,27 @@ def test_csv_and_hdf5_agree(tmp_path: Path) -> None:
             assert group["distances"][:].tolist() == [0.1] and group["angles"][:].tolist() == [20]
             assert group["stress"][:, 0] == pytest.approx(rows[list(TENSOR_NAMES)].to_numpy())
             assert group["times"][:] == pytest.approx(rows.time.to_numpy())
+    assert pd.read_csv(out / "edge_parameters.csv").shape[0] == 4
     listed = pd.read_csv(out / "columns.csv")
     assert "S12" in set(listed[listed.file == "edge_histories.csv"].column)
+
+
+def test_parameters_at_an_edge() -> None:
+    """Trailing, 2 f p0 √(Q/(f P)) along the surface, and as much pressure, in plane strain."""
+    result = solved("halfplane")
+    table = parameter_table(result, edge_histories(result, [0.0, 0.1]), (0.5, 350.0))
+    names = [each.name for each in table.headings]
+    rows = [dict(zip(names, row, strict=True)) for row in table.rows]
+    assert [each["distance"] for each in rows] == 4 * [0.0, 0.1]
+    peak = np.sqrt(600 * 210e3 / (2 * 0.91) / (np.pi * 50))
+    tension = 2 * 0.4 * peak * np.sqrt(60 / (0.4 * 600))
+    for at_edge, below in zip(rows[::2], rows[1::2], strict=True):
+        assert at_edge["swt"] == pytest.approx(tension**2 * 0.91 / 210e3, rel=0.02)
+        # Largest shear strain between x and y: γ = (1 + ν) σ/E.
+        assert at_edge["shear_strain"] == pytest.approx(tension * 1.3 / 210e3, rel=0.01)
+        weight = at_edge["fatemi_socie"] / at_edge["shear_strain"]
+        assert weight == pytest.approx(1 + 0.5 * tension / 2 / 350, rel=0.05)
+        assert below["swt"] < 0.1 * at_edge["swt"] and at_edge["stress_spread"] == 0
 
 
 def test_numbers_that_are_none(tmp_path: Path) -> None:

@@ -128,6 +128,15 @@ def test_stress_on_rays_from_an_edge(solved: Result, number: int, edge: int) -> 
     assert 0 < field.smooth.spread < 0.005 * P0
 
 
+def test_within_an_element_next_to_an_edge_nothing_is_told(tmp_path: Path) -> None:
+    history = RUNNER.run(case_of(0.05), tmp_path).stress_history("main")
+    away = np.abs(np.abs(history.arc) - A)
+    for body in history.bodies:
+        shallow = np.isnan(body.stress[:, 1]).all(axis=(0, 2))
+        assert shallow[away < 0.09].all() and not shallow[(away > 0.11) & (away < 0.3)].any()
+        assert np.isfinite(body.stress[:, [0, 2]][:, :, away < 0.3]).all()
+
+
 def test_parameters_along_the_contact(solved: Result) -> None:
     """Most damage next to the edges, less below; Ruiz 2 is Ruiz 1 times the tension."""
     x, ruiz = solved.stress_history("main").arc, solved.local_parameters("main").ruiz
