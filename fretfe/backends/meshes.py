@@ -390,7 +390,7 @@ class PlanePasses(Passes):
         )
 
     def _hopeless(self, result: Result) -> str:
-        return hopeless(result.solution, result.contacts)
+        return hopeless(result.solution, result.contacts, self._done)
 
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
         solution, self._before = result.solution, result.contacts

@@ -41,4 +41,4 @@ def turns(
         return False
     way = before.relative[nodes, 1:] - after.relative[nodes, 1:]
     done, possible = np.sum(before.traction[nodes, 1:] * way), bound[nodes] @ lengths(way)
-    return not done >= GOES_ON * possible > 0
+    return bool(not done >= GOES_ON * possible > 0)

@@ -76,7 +76,8 @@ class StationValues:
         shortest = SHORTEST_SLIP * self.rise
         return (
             abs(self.k_n),
-            max(abs(self.k_t), shortest * self.friction * self.k_n, self.k_t_scale),
+            # The scale first: K_T need not be known where it is infinite.
+            max(self.k_t_scale, abs(self.k_t), shortest * self.friction * self.k_n),
             *(max(length, shortest) for length in self.slip),
         )
 
@@ -278,7 +279,8 @@ def _largest(
         for place, (value, was, scale) in enumerate(zip(new.values, old, new.scales, strict=True)):
             difference = abs(value - was)
             # Without a scale, as K_N is unknown and K_T vanishes, nothing tells how much it is.
-            change = 0.0 if not difference else difference / scale if scale else math.nan
+            settled = not difference or math.isinf(scale)
+            change = 0.0 if settled else difference / scale if scale else math.nan
             quantity = KINDS[min(place, 2)]
             found = Change(new.contact, new.front, quantity, new.number, value, change)
             key = new.contact, new.front, quantity

@@ -14,7 +14,7 @@ from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
 from fretfe.evaluate.loaded import SMALL_LOAD, normal_force
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
-from fretfe.evaluate.refinement import SHORTEST_SLIP, StationValues
+from fretfe.evaluate.refinement import SHORTEST_SLIP, Pass, StationValues
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import ContactHistory, Solution
@@ -63,7 +63,7 @@ def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[Sta
             slip=tuple(zone.length for zone in _last_zones(station)),
             rise=_rise(history, contact, station),
             friction=station.friction,
-            k_t_scale=math.inf if _slides(station) else 0.0,
+            k_t_scale=math.inf if _slides(station) or station.lack.by_loads else 0.0,
         )
         for history, contact, station in _stations(solution, contacts)
     )
@@ -181,12 +181,18 @@ def _along(front: Front, states: Indices, tolerance: float) -> FinePlaces:
     return FinePlaces(np.vstack(along), np.tile(rows[:, 6], len(shares)))
 
 
-def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
+def hopeless(solution: Solution, contacts: Sequence[Contact], passes: Sequence[Pass] = ()) -> str:
     """Reason why finer elements will not tell K_N of some edge; empty if they may.
 
     Where K_N is not known elements become smaller from mesh to mesh by a factor, and would do so
     for ever at an edge that has none: a sharp corner, or the end of a surface.
+
+    Args:
+        solution: on the last mesh.
+        contacts: of it.
+        passes: all of them: an edge with a K_N on a coarser mesh has one.
     """
+    seen = {x.key[:2] for done in passes for x in done.stations if math.isfinite(x.k_n)}
     for history, contact, station in _stations(solution, contacts):
         if np.isfinite(station.decisive_k_n[0]) and not station.uncertain:
             continue
@@ -195,10 +201,14 @@ def hopeless(solution: Solution, contacts: Sequence[Contact]) -> str:
         half_width = float(contact.half_width[station.decisive])
         scale = half_width if math.isfinite(half_width) else _rise(history, contact, station)
         if element < SMALLEST_ELEMENT * scale:
+            why = (
+                "round-off hides it among so small elements"
+                if (contact.name, station.front) in seen
+                else "finer ones will not tell it, as at a sharp corner or at the end of a surface"
+            )
             return (
                 f"K_N at the {station.front} edge of contact {contact.name} is not known with "
-                f"elements of {element:.1g} either, {element / scale:.1g} of the half-width: finer "
-                "ones will not tell it, as at a sharp corner or at the end of a surface"
+                f"elements of {element:.1g} either, {element / scale:.1g} of the half-width: {why}"
             )
     return ""
 

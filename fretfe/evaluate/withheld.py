@@ -61,6 +61,11 @@ class Withheld:
         return self.kind in kinds
 
     @property
+    def by_loads(self) -> bool:
+        """True if the loads are the reason for no range, which no mesh mends."""
+        return self.kind in (Lack.ABSENT, Lack.PARTED)
+
+    @property
     def finer(self) -> float:
         """Factor by which elements at the edge are to be smaller; 0 without need."""
         few = self.kind in (Lack.FEW_NODES, Lack.STEEP)

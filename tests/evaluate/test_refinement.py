@@ -273,6 +273,8 @@ def test_what_is_negligible_need_not_converge() -> None:
     before, after = edge(10.0, 5e-5, 1e-5), edge(10.0, 1e-4, 2e-5)
     assert max(changed(before, after)) == pytest.approx(0.01)
     assert changed(edge(10.0, 0.0), edge(10.0, 0.0))[:2] == (0, 0)
+    parted = replace(edge(10.0, math.nan), k_t_scale=math.inf)
+    assert changed(parted, parted)[:2] == (0, 0)
 
 
 @pytest.mark.parametrize("ratio", [0.5, -0.3])
@@ -317,3 +319,7 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
     solution = SimpleNamespace(contacts=(history,), cycle=None, times=np.arange(2.0))
     reason = hopeless(solution, (contact,))  # type: ignore[arg-type]
     assert ("K_N at the left edge of contact flat is not known with" in reason) == stops
+    assert ("sharp corner" in reason) == stops
+    coarser = Pass(100, 0.1, (replace(edge(), contact="flat"),), True, ())
+    known = hopeless(solution, (contact,), (coarser,))  # type: ignore[arg-type]
+    assert ("round-off hides it" in known) == stops and "sharp corner" not in known

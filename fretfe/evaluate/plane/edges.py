@@ -308,6 +308,8 @@ def _growth_behind(
     s, p = section.s[0, : section.nodes[0]], section.values[0, : section.nodes[0]]
     risen = s[int(np.argmax(p >= RISEN * p.max()))]
     near = (s > 0) & (s <= risen)
+    if np.count_nonzero(near) <= 2:  # a line through them tells nothing of how far it is off
+        return math.nan
     slope, square = np.polyfit(s[near], p[near] ** (1 / exponent) / s[near], 1)
     return float(0.75 * (5 / (6 * half_width) - 2 * exponent * slope / square))
 
