@@ -32,9 +32,9 @@ from fretfe.contact.state import (
     certify,
     friction_work,
     lengths,
+    turns,
     unit,
 )
-from fretfe.contact.turning import turns
 from fretfe.errors import ConvergenceError
 from fretfe.surface.surface import edges_once
 

@@ -6,8 +6,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.contact.state import SLIP, STICK, ContactState
-from fretfe.contact.turning import turns
+from fretfe.contact.state import SLIP, STICK, ContactState, turns
 
 FRICTION, NODES = 0.5, slice(0, 2)
 
