@@ -21,8 +21,9 @@ from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.patches_in_time import SMALLEST_PATCH
 from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
+from fretfe.evaluate.resolution import BLIND
 from fretfe.evaluate.slip import cycle_states
-from fretfe.evaluate.verdicts import no_range, withheld
+from fretfe.evaluate.verdicts import FEWEST_ELEMENTS, no_range, withheld
 from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
@@ -197,11 +198,13 @@ def _solid_contact(
     nodes = int(np.count_nonzero(contact.status[last] != OPEN))
     if 0 < nodes < FEWEST_NODES and forces[last] > NO_LOAD * forces.max():
         finer = math.ceil(10 * math.sqrt(FEWEST_NODES / nodes)) / 10
+        narrow = found["lack"].kind is Lack.NARROW
         yield (
             Kind.FEW_NODES,
             f"{nodes} node{' is' if nodes == 1 else 's are'} in contact in state "
             f"{solution.step_of(last)}, {FEWEST_NODES} are wanted at least for pressures and "
-            f"areas: make the elements {finer:.1f} times smaller there",
+            # Fronts want smaller ones, which is told by itself.
+            f"areas{'' if narrow else f': make the elements {finer:.1f} times smaller there'}",
         )
     if found["lack"].kind is not Lack.NOTHING:
         earlier = {each.last for front in found["fronts"] for each in front.stations}
@@ -477,13 +480,14 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
             yield Kind.FACTORS_UNKNOWN, "K_N unknown, as its error bar is more than half of it"
         return
     if station.uncertain:
+        size = "" if kind is Kind.LAYER else _wanted(station, station.size / BLIND)
         if _both_unknown(station):
             text = "their error bars are unknown or more than half of them"
-            yield kind, f"K_N and ΔK_T are unknown, as {text}"
+            yield kind, f"K_N and ΔK_T are unknown, as {text}{size}"
         elif math.isnan(station.reported_k_n):
-            yield kind, "K_N is unknown, as its error bar is more than half of it"
+            yield kind, f"K_N is unknown, as its error bar is more than half of it{size}"
         else:
-            yield kind, f"K_N is known to {spread / k_n:.0%} only"
+            yield kind, f"K_N is known to {spread / k_n:.0%} only{size}"
     steps = station.k_range_parts.steps
     # What drives nothing has no share that steps could be wrong by.
     if not station.undriven and steps > LARGEST_STEPS * station.k_t_range > 0:
@@ -496,5 +500,16 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
     # An uncertain K_N has the same remedy, and so has one of too few nodes.
     if station.uncertain or station.lack.kind is Lack.STEEP:
         return
-    if any(not zone.resolved for zone in zones):
-        yield Kind.NOT_RESOLVED, "the slip zone is not resolved by the mesh"
+    hidden = [zone for zone in zones if not zone.resolved]
+    if hidden:
+        few = [zone.prediction / FEWEST_ELEMENTS for zone in hidden if zone.prediction > 0]
+        few = [size for size in few if size < station.size] or [station.size / BLIND]
+        text = "the slip zone is not resolved by the mesh"
+        yield Kind.NOT_RESOLVED, text + _wanted(station, min(few))
+
+
+def _wanted(station: Station, size: float) -> str:
+    """Elements at an edge and those that it wants, in words; empty without elements."""
+    if not station.size > 0:
+        return ""
+    return f", with elements of {station.size:.2g} ({size:.2g} or less are wanted)"

@@ -73,4 +73,6 @@ def test_an_edge_without_factors_slips_as_a_whole_where_its_contact_slides() -> 
     assert longest_verdict(slides).verdict is Verdict.GROSS
     (told,) = _uncertain(slides, Kind.K_N_UNCERTAIN)
     assert told[0] is Kind.FACTORS_UNKNOWN
-    assert [kind for kind, _ in _uncertain(station, Kind.K_N_UNCERTAIN)] == [Kind.K_N_UNCERTAIN]
+    ((kind, text),) = _uncertain(replace(station, size=0.2), Kind.K_N_UNCERTAIN)
+    assert kind is Kind.K_N_UNCERTAIN
+    assert text.endswith("half of it, with elements of 0.2 (0.05 or less are wanted)")
