@@ -24,7 +24,7 @@ from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.resolution import BLIND
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.verdicts import FEWEST_ELEMENTS, no_range, withheld
-from fretfe.evaluate.withheld import Lack
+from fretfe.evaluate.withheld import Lack, untouched_hint
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 from fretfe.surface.surface import edges_once, rim_nodes
@@ -45,9 +45,6 @@ LARGEST_COARSE = 0.2
 COARSE_SHARE = 0.3
 # Part of the area in contact that sticks, below which the contact nearly slides.
 NEARLY_SLIDES = 0.1
-# Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
-# at R = 2.5 h, as coarse as anything round is meshed.
-CHORDS = 0.05
 # Largest P within steps over that at their ends from which on it is told, and steps that show it.
 BEYOND_ENDS = 1.05
 SHOWING_STEPS = 20
@@ -432,20 +429,6 @@ def _never_touch(smallest: float, weights: Array, dimension: int) -> Finding:
     return (
         Kind.NEVER_TOUCH,
         f"the surfaces never touch; the smallest gap is {max(smallest, 0.0):.4g}. {hint}",
-    )
-
-
-def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
-    """Remedy for surfaces that never touch; arguments are those of `_never_touch`."""
-    spacing = float(np.median(weights)) ** (1 / (dimension - 1))
-    if 0 < smallest < CHORDS * spacing:
-        return (
-            f"That is {smallest / spacing:.1%} of an element: chords of curved surfaces leave such "
-            "gaps. Use curved elements (order 2), smaller ones there, or more load"
-        )
-    return (
-        "Check the signs and sizes of the loads that should bring the bodies together, and their "
-        "place in the mesh"
     )
 
 

@@ -7,8 +7,14 @@ import math
 from dataclasses import dataclass
 from enum import StrEnum
 
+import numpy as np
+
 from fretfe._typing import Array
 from fretfe.faults import Fault
+
+# Gap over the length of an element up to which chords of a curved surface may have made it: h/(8 R)
+# at R = 2.5 h, as coarse as anything round is meshed.
+CHORDS = 0.05
 
 
 class Lack(StrEnum):
@@ -187,3 +193,17 @@ def _of_fronts(lack: Withheld) -> str:
 def _halves(ratio: float) -> float:
     """The next half of a whole number above."""
     return math.ceil(2 * ratio) / 2
+
+
+def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
+    """Remedy for surfaces that never touch; by that gap and weights (N,) of nodes."""
+    spacing = float(np.median(weights)) ** (1 / (dimension - 1))
+    if 0 < smallest < CHORDS * spacing:
+        return (
+            f"That is {smallest / spacing:.1%} of an element: chords of curved surfaces leave such "
+            "gaps. Use curved elements (order 2), smaller ones there, or more load"
+        )
+    return (
+        "Check the signs and sizes of the loads that should bring the bodies together, and their "
+        "place in the mesh"
+    )

@@ -37,7 +37,7 @@ from fretfe.evaluate.limits import (
 )
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.evaluate.step_ends import at_step_ends, division_notes
-from fretfe.evaluate.warnings import untouched_hint
+from fretfe.evaluate.withheld import untouched_hint
 from fretfe.faults import Fault, guarded
 from fretfe.fem import _compat
 from fretfe.fem._compat import MPI

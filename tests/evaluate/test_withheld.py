@@ -20,8 +20,8 @@ from fretfe.contact.recorder import ROUND_OFF, Extent
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.plane.lacks import with_lack
 from fretfe.evaluate.verdicts import withheld
-from fretfe.evaluate.warnings import plane_warnings, untouched_hint
-from fretfe.evaluate.withheld import Lack, Withheld
+from fretfe.evaluate.warnings import plane_warnings
+from fretfe.evaluate.withheld import Lack, Withheld, untouched_hint
 from fretfe.quality.rows import own_rows
 from fretfe.report.page.tables import station_table
 from fretfe.results.model import Result
