@@ -419,7 +419,7 @@ def linear_stress(
     size = max(50_000 // len(nodes), 1)  # points at a time: their logarithms stay in the cache
     found = [
         _linear_part(place[start : start + size], below[start : start + size], nodes, jumps)
-        for start in range(0, len(place), size)
+        for start in range(0, max(len(place), 1), size)
     ]
     return np.concatenate(found, axis=1)
 

@@ -43,7 +43,7 @@ def assess(
     at_least: Annotated[
         float | None,
         typer.Option(
-            help="End with exit code 1 if a margin is less, or an edge has none.",
+            help="End with exit code 1 if a margin is less or unknown.",
             show_default=False,
         ),
     ] = None,
@@ -66,8 +66,8 @@ def assess(
     from fretfe.decision.record import assessment_numbers
     from fretfe.decision.texts import answer, details, margin_tables
 
-    if at_least is not None and not math.isfinite(at_least):
-        raise CaseError(f"--at-least: expected a finite number, found {at_least:g}")
+    if at_least is not None and not 0 < at_least < math.inf:
+        raise CaseError(f"--at-least: expected a finite number > 0, found {at_least:g}")
     result, *others = map(load_result, directories)
     found = judge(result, material, tests, life, others)
     if as_json:

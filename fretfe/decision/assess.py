@@ -16,7 +16,6 @@ from pathlib import Path
 
 import numpy as np
 
-from fretfe._typing import Array
 from fretfe.case import Body, isotropic
 from fretfe.decision.assessment import (
     Assessment,
@@ -27,17 +26,15 @@ from fretfe.decision.assessment import (
     Rule,
 )
 from fretfe.decision.damage import Damage, counted_damage
-from fretfe.decision.distances import elastic_strain, judged_places, mean_stress
 from fretfe.decision.end_parts import EndPart, end_parts
-from fretfe.decision.endurance import Distance, ShearAndPressure, crossland, dang_van
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.decision.front_stations import along_fronts, worst_of
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
 from fretfe.decision.thresholds import critical_length, growth_life, short_length
+from fretfe.decision.worst_places import Limits, worst_places
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.critical_planes import PAIRS, find_critical, findley, smith_watson_topper
 from fretfe.plugins import PlugIn, plug_ins
 from fretfe.results.model import Result
 from fretfe.strength.margins import Margin, result_labels, strength_map
@@ -47,11 +44,6 @@ Margins = dict[tuple[str, str, int], Margin]
 # Entry points of other criteria: functions of an `EdgeField`, its `Station` and `FatigueData` that
 # return the margin.
 GROUP = "fretfe.criteria"
-METHODS: dict[Criterion, Distance] = {
-    Criterion.POINT: "point",
-    Criterion.LINE: "line",
-    Criterion.AREA: "area",
-}
 
 
 @dataclass(frozen=True)
@@ -87,11 +79,13 @@ def assess(
             not known well: what it changes.
 
     Raises:
-        CaseError: if a file is not as expected, other results have no contact of this one, or only
-            one of tests and life is given.
+        CaseError: if a file is not as expected, other results have no contact of this one or
+            are the same ones again, or only one of tests and life is given.
     """
-    for other in others:
+    for number, other in enumerate(others):
         _require_alike(result, other)
+        if any(_same_folder(each, other) for each in (result, *others[:number])):
+            raise CaseError(f"{other.directory}: expected other results, found this folder twice")
     found = _assess(result, material, tests, life)
     return replace(found, others=tuple(_assess(each, material, tests, life) for each in others))
 
@@ -105,8 +99,17 @@ def _require_alike(result: Result, other: Result) -> None:
     one, two = result_labels([result, other])
     if not {each.name for each in result.contacts} & {each.name for each in other.contacts}:
         raise CaseError(f"{two}: expected contacts of {one}, found none of them")
+    if other.solid != result.solid:
+        plane, solid = (two, one) if result.solid else (one, two)
+        raise CaseError(f"expected plane results or solids, found {plane} plane, {solid} solid")
     if other.case.units != result.case.units:
         raise CaseError(f"{two}: expected the units of {one}, found others")
+
+
+def _same_folder(one: Result, other: Result) -> bool:
+    if one.directory is None or other.directory is None:
+        return False
+    return one.directory.resolve() == other.directory.resolve()
 
 
 def _assess(
@@ -273,7 +276,9 @@ def _edge(
 def _straight(station: Station) -> float:
     """As of `EdgeAssessment`, of one station."""
     curved = abs(station.curvature)
-    return min(station.to_end, 1 / curved if curved > 0 else math.inf)
+    # Of fronts that do not end the distance is infinite, or empty after it was stored.
+    to_end = math.inf if math.isnan(station.to_end) else station.to_end
+    return min(to_end, 1 / curved if curved > 0 else math.inf)
 
 
 @dataclass(frozen=True)
@@ -371,63 +376,16 @@ def _by_distances(
     if reason or data.limit is None:
         yield from (Judgement(each, reason=reason) for each in list(Criterion)[2:])
         return
-    places = judged_places(field, station, length)
-    limit = data.limit.stress_range**2 / (1 - data.limit.ratio) / (2 * body.young)
-    stresses = {key: mean_stress(field, places, how, length) for key, how in METHODS.items()}
-    every = np.concatenate(list(stresses.values()), axis=1)
-    found = find_critical(every, elastic_strain(every, body), smith_watson_topper)
-    values, normals = (
-        found.value.reshape(len(METHODS), -1),
-        found.normal.reshape(len(METHODS), -1, 3),
-    )
-    for (criterion, stress), value, normal in zip(stresses.items(), values, normals, strict=True):
-        at = int(np.argmax(value))
-        worst = float(value[at])
-        margin = math.sqrt(limit / worst) if worst > 0 else math.inf
-        weight = _weight(stress[:, at], normal[at], body.young * worst)
-        judgement = bars.around(criterion, margin, float(places[at]), weight)
-        yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
-    yield from _by_endurance(stresses[Criterion.POINT], places, data, body, bars)
-
-
-def _weight(stress: Array, normal: Array, product: float) -> float:
-    """Error of √(σ_max E ε_a) by one of the stress, over that: more than 1 unless both are equal.
-
-    A small tension is as uncertain as the large range, and its relative error counts.
-
-    Args:
-        stress: (n, 6) at the critical place.
-        normal: (3,) of the critical plane.
-        product: σ_max E ε_a on it.
-    """
-    parts = np.array([normal[i] * normal[j] * (1 + (i != j)) for i, j in PAIRS])
-    pull = float((stress @ parts).max())
-    return (pull + product / pull) / (2 * math.sqrt(product)) if product > 0 else 1.0
-
-
-def _by_endurance(
-    stress: Array, places: Array, data: FatigueData, body: Body, bars: _Bars
-) -> Iterator[Judgement]:
-    """By the criteria that need limits of reversed tension and of reversed torsion."""
-    criteria = Criterion.CROSSLAND, Criterion.DANG_VAN, Criterion.FINDLEY
-    if data.torsion is None or data.limit is None:
-        yield from (Judgement(each, reason="fatigue.torsion is not given") for each in criteria)
-        return
-    tension, torsion = data.limit.tension, data.torsion
-    # Both limits give the same value on the plane where that is largest.
-    excess = 2 - tension / torsion
-    k = excess / (2 * math.sqrt(1 - excess))
-    values = (
-        crossland(stress, ShearAndPressure.crossland(tension, torsion)),
-        dang_van(stress, ShearAndPressure.dang_van(tension, torsion)),
-        find_critical(stress, elastic_strain(stress, body), findley(k)).value
-        / (torsion * math.sqrt(1 + k**2)),
-    )
-    for criterion, found in zip(criteria, values, strict=True):
-        at = int(np.argmax(found))
-        margin = 1 / float(found[at]) if found[at] > 0 else math.inf
-        judgement = bars.around(criterion, margin, float(places[at]))
-        yield replace(judgement, outermost=at == 0 and math.isfinite(margin))
+    found = worst_places(field, station, Limits(data.limit, data.torsion, body, length))
+    for criterion in list(Criterion)[2:]:
+        if (worst := found.get(criterion)) is None:
+            yield Judgement(criterion, reason="fatigue.torsion is not given")
+            continue
+        margin = 1 / worst.used if worst.used > 0 else math.inf
+        judgement = bars.around(criterion, margin, worst.place, worst.weight)
+        # Beyond the outermost place it may be worse.
+        low = 0.0 if worst.outermost else judgement.low
+        yield replace(judgement, low=low, outermost=worst.outermost)
 
 
 def _by_others(

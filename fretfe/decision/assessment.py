@@ -45,10 +45,10 @@ class Judgement:
         criterion: of it.
         margin: factor of all stresses; NaN where unknown, infinite where no factor breaks it.
         low, high: ends of an interval that holds it: by the bars of the edge and of the stress, of
-            tests by their scatter too; NaN where unknown.
+            tests by their scatter too; NaN where unknown, 0 below one that is `outermost`.
         place: worst place along the surface, inward from the edge; NaN where it is the edge.
         reason: why the margin is unknown; empty if it is known.
-        outermost: whether it is worst at the outermost place that is judged, and so may be worse
+        outermost: whether it is worst at the first or last place that is judged, and so may be less
             beyond: there it is a matter of the body rather than of the edge.
         station: worst one of a front of solids; -1 in the plane.
         end: name of the free end whose sub-model has this station; empty if the run has it.
@@ -87,7 +87,8 @@ class EdgeAssessment:
         spread: error of the stress beside that of the tractions [stress].
         survival: probability to reach the life of the tests; None without tests that say so.
         damage: of counted cycles; None without lives of smooth specimens.
-        lost: stations of the front that are not judged, by the reason.
+        lost: stations of the front that are not judged, by the reason; without those of ends that
+            have a sub-model.
         depth: to which the stress is looked at; NaN where it is unknown.
         straight: least radius of the front, and distance from its ends, of the stations judged:
             down to depths short against it fields are plane. Infinite in the plane.
@@ -158,11 +159,14 @@ class Assessment:
         return min(margins), max(margins)
 
     def keeps(self, margin: float) -> bool:
-        """True if every edge of all results is judged, and has this margin at least."""
+        """True if every edge and station of all results is judged, and has this margin at least."""
         every = self, *self.others
-        governing = [each.governing for one in every for each in one.edges]
-        kept = all(each is not None and each.margin >= margin for each in governing)
-        return kept and all(one.edges for one in every)
+        edges = [each for one in every for each in one.edges]
+        governing = [each.governing for each in edges]
+        kept = all(
+            each is not None and each.margin >= margin and not each.outermost for each in governing
+        )
+        return kept and all(one.edges for one in every) and not any(each.lost for each in edges)
 
     @property
     def frictions(self) -> tuple[float, float]:

@@ -15,7 +15,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Body
-from fretfe.decision.distances import elastic_strain, judged_places, mean_stress
+from fretfe.decision.distances import elastic_strain, judged_places, mean_stress, places_around
 from fretfe.decision.field import EdgeField
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.critical_planes import find_critical, smith_watson_topper
@@ -94,14 +94,20 @@ def counted_damage(
     counted = station.cycles
     if counted.reason:
         return Damage(reason=f"no cycles are counted: {counted.reason}")
-    places = judged_places(field, station, length)
-    stress = mean_stress(field, places, "point", length)
-    low, high = np.zeros((2, len(places)))
-    for start, end, count in zip(counted.start, counted.end, counted.count, strict=True):
-        way = stress[_way(field.states, int(start), int(end))]
-        found = find_critical(way, elastic_strain(way, body), smith_watson_topper).value
-        least, most = life.damage(found, body.young)
-        low, high = low + count * least, high + count * most
+
+    def sums(places: Array) -> Array:
+        """(2, m) least and largest sum."""
+        stress, both = mean_stress(field, places, "point", length), np.zeros((2, len(places)))
+        for start, end, count in zip(counted.start, counted.end, counted.count, strict=True):
+            way = stress[_way(field.states, int(start), int(end))]
+            found = find_critical(way, elastic_strain(way, body), smith_watson_topper).value
+            both += count * np.array(life.damage(found, body.young))
+        return both
+
+    grid = judged_places(field, station, length)
+    first = sums(grid)
+    finer = places_around(grid, int(np.argmax(first[1])))
+    (low, high), places = np.hstack([first, sums(finer)]), np.concatenate([grid, finer])
     if np.isnan(high).any():
         return Damage(reason="a cycle has a shorter life than those of fatigue.life")
     at = int(np.argmax(high))

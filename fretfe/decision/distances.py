@@ -16,13 +16,33 @@ from fretfe.decision.endurance import Distance, distance_points
 from fretfe.decision.field import EdgeField
 from fretfe.evaluate.contacts import Station
 
+# Step between the first places in critical distances, their number, parts of it around the worst.
+STEP = 1 / 3
+FEWEST, MOST = 22, 100
+PARTS = 4
+
 
 def judged_places(field: EdgeField, station: Station, length: float) -> Array:
     """(m,) x along the surface: a few critical distances around the edge, all of the slip zone."""
     outward, inward = field.smooth.widest
     zone = station.longest_zone
     slip = 0.0 if zone is None or not math.isfinite(zone.length) else zone.length
-    return np.linspace(-min(5 * length, outward), min(max(2 * length, slip), inward), 22)
+    first, last = -min(5 * length, outward), min(max(2 * length, slip), inward)
+    # The stress at a depth of half of L rises and falls along the surface within L at least.
+    count = int(np.clip((last - first) / (STEP * length), FEWEST, MOST))
+    return _without_round_off(np.linspace(first, last, count))
+
+
+def places_around(places: Array, at: int) -> Array:
+    """(6,) between a place and its neighbours, of which an outermost one has none on one side."""
+    step = (places[1] - places[0]) / PARTS
+    around = places[at] + step * np.array([*range(1 - PARTS, 0), *range(1, PARTS)])
+    return _without_round_off(np.clip(around, places[0], places[-1]))
+
+
+def _without_round_off(places: Array) -> Array:
+    """Those at the edge itself at zero."""
+    return np.where(np.abs(places) < 1e-9 * np.abs(places).max(), 0.0, places)
 
 
 def mean_stress(field: EdgeField, places: Array, method: Distance, length: float) -> Array:

@@ -43,7 +43,15 @@ class EndPart:
     @property
     def replaced(self) -> list[int]:
         """Numbers of the stations of the run that lie between those of the sub-model."""
-        first, last = min(self.distances.values()), max(self.distances.values())
+        return self._between(min(self.distances.values()))
+
+    @property
+    def covered(self) -> list[int]:
+        """These and the nearer ones: a remark tells what the sub-model does not know."""
+        return self._between(0.0)
+
+    def _between(self, first: float) -> list[int]:
+        last = max(self.distances.values())
         every = zip(self.end.distance, self.end.front.stations, strict=True)
         return [each.number for away, each in every if first <= away <= last]
 

@@ -99,7 +99,7 @@ def _with_end(run: FrontStations, part: EndPart, found: FrontStations) -> FrontS
         (part.end.name, key): (part.stations[key], field)
         for (_, key), (_, field) in found.judged.items()
     }
-    lost = {key: reason for key, reason in run.lost.items() if key not in part.replaced}
+    lost = {key: reason for key, reason in run.lost.items() if key not in part.covered}
     for _, field in judged.values():
         if isinstance(field, str):
             lost |= dict.fromkeys(part.replaced, f"by the sub-model of {part.end.name}: {field}")

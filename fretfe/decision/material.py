@@ -57,11 +57,15 @@ class FatigueData:
             return ""
         low, high = self.young
         if not low * (1 - YOUNG) <= own.young <= high * (1 + YOUNG):
-            return f"the body has E = {own.young:.4g}, the material {low:.4g} to {high:.4g}"
+            return f"the body has E = {own.young:.4g}, the material {_ends(low, high)}"
         low, high = self.poisson
         if not low - POISSON <= own.poisson <= high + POISSON:
-            return f"the body has ν = {own.poisson:.4g}, the material {low:.4g} to {high:.4g}"
+            return f"the body has ν = {own.poisson:.4g}, the material {_ends(low, high)}"
         return ""
+
+
+def _ends(low: float, high: float) -> str:
+    return f"{low:.4g}" if low == high else f"{low:.4g} to {high:.4g}"
 
 
 def fatigue_data(path: Path, units: Units) -> FatigueData:

@@ -33,7 +33,11 @@ def _margin_table(found: Assessment) -> Table:
 
     shown = known_criteria(found)
     headers = ("edge", "body", *(escape(each.value.replace(" ", "\n")) for each in shown))
-    table = plain_table("All margins (>: infinite, but for error bars)", headers, text=2)
+    table = plain_table(
+        "All margins (>: infinite, but for error bars; ≤: at most)",
+        headers,
+        text=2,
+    )
     table.padding = 0  # All criteria in 80 characters.
     for edge in found.edges:
         table.add_row(
@@ -70,7 +74,10 @@ def _station(judgement: Judgement) -> str:
 
 
 def _margin(judgement: Judgement) -> str:
-    return MISSING if judgement.reason else _factor(judgement.margin)
+    """With a mark where it may be less beyond the places that are judged."""
+    if judgement.reason:
+        return MISSING
+    return f"{'≤ ' * judgement.outermost}{_factor(judgement.margin)}"
 
 
 def _least(judgement: Judgement) -> str:
@@ -84,6 +91,8 @@ def _interval(judgement: Judgement) -> str:
     """Its two ends; empty where they are unknown."""
     if math.isnan(judgement.low):
         return ""
+    if judgement.outermost:
+        return f"up to {_factor(judgement.high)}"
     return f"{_factor(judgement.low)} to {_factor(judgement.high)}"
 
 
@@ -159,8 +168,9 @@ def _sureness(found: Assessment, edge: EdgeAssessment, judgement: Judgement) -> 
             yield survival_text(edge.survival)
     else:
         yield (
-            f"the interval is that of the computed stress, {percent(edge.bar, 0)} by K_N and "
-            f"ΔK_T and {rounded(edge.spread, 2)} {found.units.stress} by what the body adds; "
+            "the interval is that of the computed stress, "
+            f"{percent(edge.bar, int(edge.bar < 0.01))} by K_N and ΔK_T and "
+            f"{rounded(edge.spread, 2)} {found.units.stress} by what the body adds; "
             "scatter of the material is not in it"
         )
     low, high = found.range_of(edge, judgement.criterion)
@@ -289,11 +299,14 @@ def _damage(edge: EdgeAssessment, unit: str) -> Iterator[str]:
 
 def _outermost(edge: EdgeAssessment, unit: str) -> Iterator[str]:
     """Criteria that do not fall away from the edge."""
-    if found := [each for each in edge.judgements if each.outermost]:
-        names = ", ".join(each.criterion.value for each in found)
+    places: dict[str, list[str]] = {}
+    for each in edge.judgements:
+        if each.outermost:
+            places.setdefault(_place(each.place, unit), []).append(each.criterion.value)
+    for place, names in places.items():
         yield (
-            f"{names}: worst at the outermost place judged, {rounded(abs(found[0].place))} {unit} "
-            "outside of the edge, so what the body does there governs, and more beyond"
+            f"{', '.join(names)}: worst at the outermost place judged{place}, so the margin is at "
+            "most this one, and may be less beyond"
         )
 
 

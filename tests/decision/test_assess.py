@@ -92,11 +92,12 @@ def test_a_small_tension_with_a_large_range_is_less_sure(
     judgement = edge.of(Criterion.POINT)
     used, of_factors = 1 / judgement.margin, edge.bar / judgement.margin
     assert used == pytest.approx(math.sqrt(20 * 110) / 248, rel=2e-3)
-    half = (1 / judgement.low - 1 / judgement.high) / 2
+    half = used - 1 / judgement.high
     known = (math.sqrt(22 * 112) - math.sqrt(18 * 108)) / 2 / 248
     assert math.sqrt(half**2 - of_factors**2) == pytest.approx(known, rel=0.01)
-    # The stress is the same everywhere, also at the first place that is looked at.
-    assert judgement.place == pytest.approx(-5 * 0.0913, rel=1e-2) and judgement.outermost
+    # The stress is the same everywhere, also at the first place: the margin has no lower end.
+    assert judgement.place == pytest.approx(-5 * 0.0913, rel=1e-2)
+    assert judgement.outermost and judgement.low == 0
 
 
 def test_cracks_that_grow_have_a_life(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -92,10 +92,18 @@ def test_the_worst_place_of_a_front_may_be_at_its_end(assessed: Assessment) -> N
         assert (judgement.end, judgement.station, judgement.to_end) == (NAME, 1, 0.375)
         # Its bar is that by both sub-models.
         assert edge.bar == pytest.approx(math.hypot(0.3 / 9.625, 4.0 / 100.0), rel=1e-6)
-        # The sub-model has no station as near as the first one of the run, and another end none.
-        assert edge.lost == {"too near": (0, 10, 11)}
+        # The first station of the run is within the sub-model, whose remark tells what is nearer
+        # than its own; another end has none.
+        assert edge.lost == {"too near": (10, 11)}
         # The radius of the front is 1, and its end nearer.
         assert (edge.depth, edge.straight) == (1.0, 0.375)
+    # Of the other end nothing is known.
+    assert not assessed.keeps(0.1)
+    first = assessed.edges[0]
+    inside = replace(first.of(Criterion.CROSSLAND), outermost=False)
+    judged = replace(first, judgements=(first.judgements[0], inside))
+    assert not replace(assessed, edges=(judged,)).keeps(1.59)
+    assert replace(assessed, edges=(replace(judged, lost={}),)).keeps(1.59)
     assert any("down to 1 mm, 267% of the radius" in each for each in details(assessed))
     assert any(
         "nearer than 0.375 to the free end main.1.start" in each for each in assessed.remarks
@@ -116,7 +124,7 @@ def test_the_worst_place_may_be_elsewhere(assessed: Assessment) -> None:
     [
         (155.0, False, {"too near": (0, 1, 10, 11)}, "it differs from the run at main.1.2"),
         ("no plane problem", True, {
-            "too near": (0, 10, 11), f"by the sub-model of {NAME}: no plane problem": (1, 2)
+            "too near": (10, 11), f"by the sub-model of {NAME}: no plane problem": (1, 2)
         }, "nearer than"),
     ],
 )  # fmt: skip

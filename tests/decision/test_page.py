@@ -11,6 +11,7 @@ from io import StringIO
 from pathlib import Path
 
 import pytest
+from cases.solid_runs import stationed_sphere
 from cases.stored_runs import CYCLE, solved, write_run
 from decision.test_material import FATIGUE, write
 from rich.console import Console
@@ -72,6 +73,23 @@ def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
     other = replace(given, contacts=tuple(replace(each, name="b") for each in given.contacts))
     with pytest.raises(CaseError, match="expected contacts of"):
         assess(given, write(tmp_path), others=[other])
+    with pytest.raises(CaseError, match="expected plane results or solids"):
+        assess(given, write(tmp_path), others=[stationed_sphere()])
+    once = replace(given, directory=tmp_path)
+    with pytest.raises(CaseError, match="found this folder twice"):
+        assess(once, write(tmp_path), others=[replace(once, directory=tmp_path / "." / "x" / "..")])
+
+
+def test_a_margin_at_the_outermost_place_has_no_lower_end(known: Assessment) -> None:
+    """And so is not known to be kept."""
+    edge = known.edges[0]
+    least = Judgement(Criterion.AREA, 1.2, 0.0, 1.3, place=-0.5, outermost=True)
+    found = replace(known, edges=(replace(edge, judgements=(edge.judgements[0], least)),))
+    first = next(answer(found))
+    assert "0.5 mm outside of it: margin ≤ 1.2 (up to 1.3) by SWT, area" in first
+    assert "may or may not endure" in first
+    assert any("at most this one, and may be less" in each for each in details(found))
+    assert not found.keeps(1.1)
 
 
 def test_edges_that_are_not_judged_are_said_first(known: Assessment, tmp_path: Path) -> None:

@@ -89,3 +89,5 @@ def test_numbers_that_are_none(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="--angle"):
         edge_histories(solved("halfplane"), [0.1], [90.0])
     assert all(each.reason for each in edge_histories(solved("incomplete"), [0.1]))
+    for each in edge_histories(solved("halfplane"), [1e3]):
+        assert "places beyond" in each.reason and each.stress.shape[1:] == (0, 6)
