@@ -357,7 +357,7 @@ def _life(arrest: Arrest, data: FatigueData) -> float:
 def _by_arrest(arrest: Arrest | str, bars: _Bars) -> Judgement:
     if isinstance(arrest, str):
         return Judgement(Criterion.ARREST, reason=arrest)
-    # Cracks that leave aside what is known may stop beyond.
+    # Cracks that leave what is known before they are nearest to stopping may stop beyond.
     found = bars.around(Criterion.ARREST, arrest.margin)
     return replace(found, high=bars.around(Criterion.ARREST, arrest.largest).high)
 

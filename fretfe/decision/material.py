@@ -20,6 +20,10 @@ from fretfe.decision.thresholds import FatigueLimit, GrowthLaw, Threshold
 from fretfe.errors import CaseError
 from fretfe.strength.margins import POISSON, YOUNG
 
+# Of Young's modulus, and of that times √m: 10 MPa to 4 GPa, and 0.4 to 60 MPa√m of steel.
+LIMITS = 5e-5, 0.02
+THRESHOLDS = 2e-6, 3e-4
+
 
 @dataclass(frozen=True)
 class FatigueData:
@@ -94,18 +98,41 @@ def fatigue_data(path: Path, units: Units) -> FatigueData:
     intensity = stress * length**0.5
     elastic = STRESSES[read.units.stress] / STRESSES[units.stress]
     limit, growth = table.limit, table.growth
+    young, threshold = _span(read.young, elastic), _threshold(table, intensity)
+    if young is not None:
+        metre = METRES[units.length] ** 0.5 / young[1]
+        if limit is not None:
+            _require_usual(path, "limit", limit.range * stress / young[1], LIMITS, "E")
+        if threshold is not None:
+            _require_usual(path, "threshold", threshold.ranges.max() * metre, THRESHOLDS, "E √m")
     return FatigueData(
         path=path,
         source=table.source,
-        young=_span(read.young, elastic),
+        young=young,
         poisson=_span(read.poisson, 1.0),
         limit=None if limit is None else FatigueLimit(limit.range * stress, limit.ratio),
         torsion=None if table.torsion is None else table.torsion * stress,
-        threshold=_threshold(table, intensity),
+        threshold=threshold,
         growth=None if growth is None else _growth(growth, intensity, length),
         lengths=None if growth is None else (growth.start * length, growth.end * length),
         life=None if table.life is None else _life(table.life, stress),
     )
+
+
+def _require_usual(
+    path: Path, key: str, share: float, usual: tuple[float, float], unit: str
+) -> None:
+    """Refuse data that no material of this Young's modulus has, as of a wrong unit.
+
+    Raises:
+        CaseError: file and key.
+    """
+    if not usual[0] <= share <= usual[1]:
+        text = (
+            f"expected {usual[0]:g} to {usual[1]:g} {unit}, as of metals, found {share:.3g} {unit}"
+            ": are the units those of fatigue.units?"
+        )
+        raise CaseError(complaint(path, ("fatigue", key), text))
 
 
 def _span(given: Any, scale: float) -> tuple[float, float] | None:

@@ -125,6 +125,11 @@ class Crack:
         """(C,) ΔK over ΔK_th."""
         return self.ranges / self.threshold
 
+    @property
+    def followed(self) -> bool:
+        """True if it is nearest to stopping before the last length: it may not stop beyond."""
+        return not self.cut and int(np.argmin(self.relative)) < len(self.lengths) - 1
+
 
 @dataclass(frozen=True)
 class Arrest:
@@ -136,7 +141,7 @@ class Arrest:
             deeper, but this one is the first that grows through.
         margin: factor of all stresses up to which cracks stop within the lengths; infinite where
             the stress of any factor closes them.
-        largest: the same of the cracks that are not cut: the margin if all others stop beyond.
+        largest: the same of the cracks that are `followed`: the margin if all others stop beyond.
         start: factor up to which no crack of a tenth of a0 grows at any angle; NaN where the
             shortest cracks that are looked at are longer.
         a0: of short cracks.
@@ -172,7 +177,7 @@ def judge_arrest(drive: CrackDrive, threshold: Threshold, limit: FatigueLimit) -
         ) if own.any()
     ]  # fmt: skip
     critical = max(cracks, key=lambda each: (each.relative.min(), each.stop))
-    followed = [float(each.relative.min()) for each in cracks if not each.cut]
+    followed = [float(each.relative.min()) for each in cracks if each.followed]
     first = max(float(each.relative[0]) for each in cracks)
     return Arrest(
         deepest=max(cracks, key=lambda each: (each.stop, each.relative.min())),

@@ -272,10 +272,13 @@ def _cracks(edge: EdgeAssessment, unit: str) -> Iterator[str]:
         yield f"no crack of {shortest} grows, up to {_factor(arrest.start)} times the stress"
     if arrest.largest > arrest.margin:
         crack = arrest.critical
+        end, more = ("the contact surface ends", "extend the surface") if crack.cut else (
+            "the known stress ends", "stress at larger depths"
+        )  # fmt: skip
         yield (
             f"the margin is that of a crack at {crack.angle:g}°, followed over "
-            f"{rounded(crack.lengths[-1])} {unit}, where the contact surface ends; it is up to "
-            f"{_factor(arrest.largest)} if that stops beyond: extend the surface"
+            f"{rounded(crack.lengths[-1])} {unit}, where {end}; it is up to "
+            f"{_factor(arrest.largest)} if that stops beyond: {more}"
         )
     if math.isfinite(edge.life):
         yield f"{number(edge.life, 2)} cycles between the lengths of fatigue.growth"

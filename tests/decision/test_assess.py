@@ -197,9 +197,10 @@ def test_missing_data_are_named(tmp_path: Path) -> None:
         solved("halfplane"), write(tmp_path, threshold={"ratios": [0.7, 0.8], "ranges": [3.0, 2.0]})
     )
     assert "at the R of the limit, -1" in late.edges[0].of(Criterion.ARREST).reason
-    huge = assess(
-        solved("halfplane"), write(tmp_path, threshold={**FATIGUE["threshold"], "range": 4e4})
-    )
+    # a0 is 2.3 m.
+    tough = {"threshold": {**FATIGUE["threshold"], "range": 60.0}, "torsion": None}
+    weak = {"limit": {"range": 40.0, "ratio": -1.0}}
+    huge = assess(solved("halfplane"), write(tmp_path, **tough, **weak))
     assert "less than the shortest cracks" in huge.edges[0].of(Criterion.ARREST).reason
 
 

@@ -53,6 +53,21 @@ def test_numbers_are_in_the_units_of_the_results(tmp_path: Path) -> None:
     assert same.threshold.at(np.array([0.0])) == pytest.approx(4.2e6)
 
 
+@pytest.mark.parametrize(
+    ("data", "found"),
+    [
+        ({"limit": {"range": 496e3, "ratio": -1.0}, "torsion": 155e3}, "found 2.36 E"),
+        ({"limit": {"range": 0.496, "ratio": -1.0}, "torsion": 0.155}, "found 2.36e-06 E"),
+        ({"threshold": {**WALKER, "range": 4.2 * 1000**0.5}}, "found 0.000632 E √m"),
+        ({"threshold": {**WALKER, "range": 4.2e-3}}, "found 2e-08 E √m"),
+    ],
+)
+def test_data_in_another_unit_are_refused(tmp_path: Path, data: dict[str, Any], found: str) -> None:
+    """Of E = 210 GPa: kPa, GPa, MPa √mm and GPa √m in place of MPa and m."""
+    with pytest.raises(CaseError, match=f"{found}: are the units"):
+        fatigue_data(write(tmp_path, **data), Units())
+
+
 def test_the_file_of_the_documents(tmp_path: Path) -> None:
     """It is whole, and L has the value that stands there."""
     page = (Path(__file__).parents[2] / "docs" / "strength.md").read_text("utf-8")

@@ -166,19 +166,30 @@ def test_a_straight_crack_stops_where_a_weight_function_has_it() -> None:
 
 def test_the_deepest_crack_need_not_be_the_one_that_sets_the_margin() -> None:
     """At one angle cracks start and stop, at another none starts, but pressure hardly closes it."""
-    lengths = SHORTEST * np.array([1.0, 10.0, 100.0])
+    lengths = SHORTEST * np.array([1.0, 10.0, 100.0, 200.0])
     long = THRESHOLD.ranges[0] * np.sqrt(lengths / (lengths + 10 * SHORTEST))
-    ranges = np.array([[1.5, 1.2, 0.2], [0.9, 0.9, 0.8]]) * long
-    none = np.zeros((2, 2, 3))
+    ranges = np.array([[1.5, 1.2, 0.2, 0.3], [0.9, 0.9, 0.8, 0.7]]) * long
+    none = np.zeros((2, 2, 4))
     cut = np.array([False, True])
-    drive = CrackDrive(np.array([0.0, -50.0]), lengths, none, none, ranges, np.zeros((2, 3)), cut)
+    drive = CrackDrive(np.array([0.0, -50.0]), lengths, none, none, ranges, np.zeros((2, 4)), cut)
     found = judge_arrest(drive, THRESHOLD, LIMIT)
     assert not isinstance(found, str)
     assert found.deepest.angle == 0 and lengths[1] < found.deepest.stop < lengths[2]
     assert found.critical.angle == -50 and found.critical.stop == 0
-    assert found.margin == pytest.approx(1 / 0.8) and found.start == pytest.approx(1 / 1.5)
+    assert found.margin == pytest.approx(1 / 0.7) and found.start == pytest.approx(1 / 1.5)
     # That one leaves what is known, and may stop beyond.
     assert found.critical.cut and found.largest == pytest.approx(1 / 0.2)
+    # One that is nearest to stopping at the last length may stop beyond, however deep that is.
+    falling = replace(
+        drive,
+        cut=cut & False,
+        lengths=lengths[:3],
+        ranges=drive.ranges[:, :3],
+        ratios=none[0, :, :3],
+    )
+    known = judge_arrest(falling, THRESHOLD, LIMIT)
+    assert not isinstance(known, str)
+    assert known.margin == pytest.approx(1 / 0.8) and known.largest == math.inf
 
 
 def test_longer_cracks_do_not_show_what_starts() -> None:
