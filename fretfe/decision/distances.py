@@ -18,7 +18,8 @@ from fretfe.evaluate.contacts import Station
 
 # Step between the first places in critical distances, their number, parts of it around the worst.
 STEP = 1 / 3
-FEWEST, MOST = 22, 100
+FEWEST = 22
+MOST = 100
 PARTS = 4
 
 
