@@ -100,8 +100,9 @@ def run(
     Returns:
         The result; its `faults` say what is unknown because of an error of fretfe itself.
     """
+    _require_case(case)
     runner = Runner.find(backend)
-    result = runner.run(_case(case), _folder(output), observer, resume=resume)
+    result = runner.run(case, _folder(output), observer, resume=resume)
     if runner.processes.rank == 0:
         name = case.title or case.source.name
         for note in result.notes:
@@ -143,7 +144,8 @@ def sweep(
     Raises:
         FretfeError: before any work, if a combination is not a valid case.
     """
-    return Runner.find(backend).sweep(_case(case), vary, _folder(output), observer)
+    _require_case(case)
+    return Runner.find(backend).sweep(case, vary, _folder(output), observer)
 
 
 def write_submodel(
@@ -211,18 +213,18 @@ def validate(
     Raises:
         FretfeError: if the case itself cannot be solved.
     """
-    return Runner.find(backend).validate(_case(case), _folder(output), observer)
+    _require_case(case)
+    return Runner.find(backend).validate(case, _folder(output), observer)
 
 
-def _case(given: Case) -> Case:
-    """The case, if it is one.
+def _require_case(given: object) -> None:
+    """Check that a case is one.
 
     Raises:
         TypeError: if it is a path, say.
     """
     if not isinstance(given, Case):
         raise TypeError(f"case: expected a Case, as load_case gives it, found {given!r:.80}")
-    return given
 
 
 def _folder(output: Path | str | None) -> Path | None:

@@ -840,7 +840,7 @@ class Contact:
     smallest_normal_force: Annotated[
         float, Quantity("force", "smallest P in the cycle, also within steps")
     ] = math.nan
-    largest_normal_force: Annotated[float, Quantity("force", "largest P")] = math.nan
+    largest_normal_force: Annotated[float, Quantity("force", "largest P then")] = math.nan
     smallest_shear_force: Annotated[float, Quantity("force", "smallest Q, of solids |Q|")] = (
         math.nan
     )

@@ -26,6 +26,7 @@ def test_borders_behind_an_edge_that_moves(number: int) -> None:
     assert all(each.error <= each.bar < 0.1 * each.truth for each in zones)
 
 
+@pytest.mark.fem
 def test_range_between_areas_of_few_nodes() -> None:
     # Areas of a wedge that have too few nodes for fits lie between those of two integrals: K_T of
     # a unit of Q between them was 5 % high.
