@@ -38,10 +38,12 @@ for name, edge, mirrored in (
     ("lower", right.stations[0], left.stations[1]),
     ("upper", right.stations[1], left.stations[0]),
 ):
+    # The upper edges hardly move: there the movement tells K_N with a bar of some tenths only.
+    moved = max(0.025, edge.k_n_moved_spread / edge.k_n[-1])
     rows += [
         # The mesh mirrors itself to 1e-6.
         Row(f"K_N {name}, right and left flank", edge.k_n[-1], mirrored.k_n[-1], 1e-4),
-        Row(f"K_N {name}, by pressure and by movement", edge.k_n[-1], edge.k_n_moved, 0.025),
+        Row(f"K_N {name}, by pressure and by movement", edge.k_n[-1], edge.k_n_moved, moved),
         Row(f"ΔK_T {name}, right and left flank", edge.k_t_range, mirrored.k_t_range, 1e-4),
         Row(f"ΔK_T {name}, two extractions", edge.k_t_range, edge.k_t_range_fitted, 0.01),
     ]

@@ -32,6 +32,7 @@ CASE = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 # Coarse, and with so many steps that most of the time goes there.
 VALUES = {
     "geometry.parameters.edge_size": 0.1,
+    "geometry.parameters.edge_zone": 0.2,
     "loads.pull.history.1.steps": 60,
     "loads.pull.history.2.steps": 30,
     "loads.pull.history.3.steps_per_cycle": 480,

@@ -17,7 +17,7 @@ from fretfe.matching.pads import PadTest
 from fretfe.results.model import Result
 
 DEMOS = Path(__file__).parents[2] / "demos"
-STEPS, EDGE_SIZE, TOLERANCE = 16, 0.003, 0.02
+STEPS, EDGE_SIZE, TOLERANCE = 16, 0.002, 0.02
 
 
 def fewer_steps(data: dict[str, Any]) -> Any:

@@ -112,7 +112,8 @@ def _interpolate(at: Array, x: Array, values: Array) -> Array:
     """(T, ...) values (S, ...) known at x (S,), linear between them and constant outside."""
     upper = np.clip(np.searchsorted(x, at), 1, max(len(x) - 1, 1))
     lower, upper = upper - 1, np.minimum(upper, len(x) - 1)
-    width = np.where(upper > lower, x[upper] - x[lower], 1.0)
+    # Two increments may have the same area.
+    width = np.where(x[upper] > x[lower], x[upper] - x[lower], 1.0)
     share = np.clip((at - x[lower]) / width, 0.0, 1.0)
     share = share.reshape(-1, *[1] * (values.ndim - 1))
     return np.asarray((1 - share) * values[lower] + share * values[upper])
