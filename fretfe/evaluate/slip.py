@@ -171,7 +171,7 @@ def slip_zones(
             continue
         lengths = np.zeros(0) if pressed else find_lengths(start, turn)
         end = _longest(start, turn, lengths, station)
-        border = find_border(start, end)
+        border = find_border(_begun(start, end, lengths), end)
         cyclic, loop = _prediction(cycle, friction[end], end, station)
         swept = _swept(cycle, friction[end], end, station, loop)
         if end != turn or (len(lengths) and swept):
@@ -215,6 +215,18 @@ def slip_zones(
         foretold = float(lengths[end - start]) if len(lengths) else math.nan
         zones.append(_doubted(zone, border.spread, foretold))
     return tuple(zones[0 if worst else _before_cycle(halves, cycle) :])
+
+
+def _begun(start: int, end: int, lengths: Array) -> int:
+    """State until which no zone is foretold; where P grows the other way may slip until then.
+
+    Args:
+        start: first state.
+        end: in which the zone is looked for.
+        lengths: (n,) as foretold; none where not known.
+    """
+    still = np.flatnonzero(lengths[: end - start] <= 0)
+    return start + int(still[-1]) if len(still) else start
 
 
 def _moves(station: StationHistory, start: int, end: int) -> bool:
