@@ -399,12 +399,12 @@ class Division:
         begin, end = self._steps[number - 1], self._loads(number, 1.0, state)
         self._largest = self._forces(state)
         whole = self._march.advance(state, begin, end, guess=guess)
-        turns = self._turns[number] if end.friction.any() else 1
+        fewest = self._turns[number] if end.friction.any() else 1
         moved = self._moved(state, whole.state, end)
-        if moved <= TOLERATED and turns == 1:
+        if moved <= TOLERATED and fewest == 1:
             return [Part(1.0, whole)]
         try:
-            return list(self._parts(number, state, 1 / max(moved, turns), 1 / turns))
+            return list(self._parts(number, state, 1 / max(moved, fewest), 1 / fewest))
         except NotConverged:
             # Loads on the way find no solution, as where the contact would slide as a whole.
             return [Part(1.0, whole)]

@@ -214,9 +214,11 @@ def _advice(case: Case, mesh: Mesh, history: History) -> str:
     Tractions, which are not known yet, add to both.
     """
     ranks, amount = idle_cores() + 1, Amount(len(history.times) - 1)
+    if MPI.COMM_WORLD.size > 1 or ranks == 1:
+        return ""
     arguments = mesh, case.model.degree, 0, amount, case.components(mesh.dimension)
     several, alone = estimate_cost(*arguments, ranks=ranks), estimate_cost(*arguments)
-    if MPI.COMM_WORLD.size > 1 or ranks == 1 or not several.pays_beside(alone):
+    if not several.pays_beside(alone):
         return ""
     return (
         f"{ranks} cores are there: --ranks {ranks} takes less time; fretfe check estimates how much"

@@ -537,10 +537,8 @@ def _growth(mesh: Mesh, pair: Pair) -> float:
     surface = pair.coupling.surface
     if surface.facets is not None:
         return 0.0
-    bodies, sizes = (
-        (mesh.bodies[name] for name in (pair.body1, pair.body2)),
-        np.gradient(surface.arc),
-    )
+    sizes = np.gradient(surface.arc)
+    bodies = (mesh.bodies[name] for name in (pair.body1, pair.body2))
     return max(growth_inward(body, surface.points, sizes) for body in bodies)
 
 

@@ -105,15 +105,12 @@ class PlaneEdges(EdgeData):
         cycle = self.cycle[np.isfinite((fit.position + fit.k_n)[self.cycle])]
         if len(cycle) < 2 or self.contact.surface.dundurs:
             return found
-        growth, spread = growth_with_edge(
-            fit.position[cycle], fit.k_n[cycle], fit.spread_k_n[cycle]
-        )
-        growth *= -front.inward
+        outward = -front.inward * fit.position[cycle]
+        growth, spread = growth_with_edge(outward, fit.k_n[cycle], fit.spread_k_n[cycle])
         # Edges move farther in the cycle where P varies enough.
         if math.isnan(found.stiffening) or not spread < found.stiffening_spread:
             return found
-        stiffening = growth + 0.5 / half_width
-        return replace(found, stiffening=stiffening, stiffening_spread=spread)
+        return replace(found, stiffening=growth + 0.5 / half_width, stiffening_spread=spread)
 
     def moved_inward(self, number: int) -> Array | float:
         """(T,) distances of an edge by fits from the last node under pressure, behind a layer."""
@@ -262,7 +259,7 @@ def moved_edge(
         return unknown
     # The last way is the one with the largest circle, which the edge stays away from.
     k_i = float(neighbours.k_i[-1, front.number])
-    growth, vague = growth_with_edge(fit.position, fit.k_n, fit.spread_k_n)
+    growth, vague = growth_with_edge(-front.inward * fit.position, fit.k_n, fit.spread_k_n)
     k_n = 2 * k_i / outward
     shift = float(np.linalg.norm(fit.spread_position)) / moved
     # If the edge moved less than it seems by as much, K_N is larger by more than that.
@@ -271,7 +268,7 @@ def moved_edge(
     return MovedEdge(
         k_n,
         spread,
-        stiffening=0.5 / half_width - front.inward * growth,
+        stiffening=growth + 0.5 / half_width,
         stiffening_spread=vague,
         state=neighbours.state,
     )
@@ -284,7 +281,7 @@ def growth_with_edge(position: Array, k_n: Array, spread: Array) -> tuple[float,
     and infinite if there is none.
 
     Args:
-        position: (n,) along the arc.
+        position: (n,) in the direction that counts.
         k_n: (n,) K_N.
         spread: (n,) error bars.
     """
