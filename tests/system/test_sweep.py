@@ -198,6 +198,8 @@ def test_cases_on_idle_cores_are_those_of_one_process(
     every = len(solved_steps)
     monkeypatch.setattr(backend, "idle_cores", lambda: 2)
     monkeypatch.setattr(backend, "linear_algebra_threads", lambda: 1)
+    # That of the tests of this process before, which copies do not need.
+    monkeypatch.setattr(backend, "peak_memory", lambda: 5e8)
     told = Told()
     beside = swept(case(), ranges, RunOptions(observer=told))
     # Only the steps of the first case are solved in this process.
