@@ -204,7 +204,7 @@ class SlipZone:
 
 @dataclass(frozen=True)
 class CountedCycles:
-    """Cycles of a station, counted by the rainflow method: n of them, in the order they close.
+    """Cycles of a station, counted by the rainflow method: n of them.
 
     Attributes:
         start, end: (n,) states of the two reversals. `start` may be the later one in a cycle that
@@ -212,10 +212,12 @@ class CountedCycles:
         count: (n,) 1, or 0.5 for a range that nothing closes.
         k_t_range, k_t_mean: (n,) difference of K_T at the two reversals, positive, and its mean.
         effective_range: (n,) larger K_T - f K_I less smaller K_T + f K_I, with K_I counted from the
-            outermost place of the edge: what is counted, and the same as `k_t_range` at constant P.
+            outer of both places of the edge: what is counted, and the same as `k_t_range` at
+            constant P; 0 where the edge remembers nothing at one of them.
         slip: (n,) predicted length of the slip zone from the edge as it is at `end`; NaN where K_N
-            is unknown there, or (K_T, K_S) turns.
-        closed: whether the history that was counted repeats itself: all counts are 1.
+            is unknown there, (K_T, K_S) turns, or the effective range is 0.
+        closed: whether the history that was counted repeats itself: counts are 1 unless P takes
+            away in it what places remember.
         reason: why nothing was counted; empty if it was.
     """
 
@@ -524,9 +526,9 @@ class Station(StationHistory):
 
     @property
     def evaluated_zones(self) -> tuple[SlipZone, ...]:
-        """Slip zones that end in the evaluated cycle, in time order; the last two without any."""
+        """Slip zones that end in the evaluated cycle, in time order; all without any."""
         inside = [zone for zone in self.slip_zones if zone.end > self.first >= 0]
-        return tuple(inside) or self.slip_zones[-2:]
+        return tuple(inside) or self.slip_zones
 
     @property
     def still(self) -> bool:

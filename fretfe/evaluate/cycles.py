@@ -4,8 +4,8 @@
 An edge slips forward where K_T - f K_I exceeds what it was, and backward where K_T + f K_I falls
 below. Each place inward from the edge remembers the reversals of the two as a play does, so that
 the range from a forward to a backward reversal, over f K_N, is how far slip reaches in between.
-Counted are therefore the peaks of the one and the valleys of the other, with K_I from the outermost
-place of the edge on; at constant P both are K_T.
+Counted are therefore the peaks of the one and the valleys of the other, as far as places remember
+them: see `counting`; at constant P both are K_T.
 """
 
 from __future__ import annotations
@@ -20,9 +20,9 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
-from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import CountedCycles, StationHistory, no_cycles
-from fretfe.evaluate.edge_memory import slip_drive
+from fretfe.evaluate.counting import Reversals, count_loops, takes_away
+from fretfe.evaluate.edge_memory import longest_zones, slip_drive
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -158,27 +158,38 @@ def count_cycles(
     ends, directions = slip.phases(order)
     if not len(ends):
         return no_cycles("nothing varies")
-    turns = order[np.append(0, ends)]
+    largest = float(station.k_i[states].max())
+    fall = friction.max() * (largest - station.k_i[order])
     upward = np.append(-directions[0], directions) > 0
-    values = np.where(upward, slip.forward[turns], slip.backward[turns])
-    # The repetition itself leads from the last reversal, which is the first one, on.
-    counted = rainflow(values[:-1] if closed else values, repeated=closed)
-    start, end = turns[counted.start], turns[counted.end]
-    reach = counted.range
-    if slip.fresh and not len(cycle):
-        reach = np.maximum(reach, _first_loading(values)[counted.end])
-    retreat = 2 * friction.max() * (station.k_i[states].max() - station.k_i[end])
+    left = _left(fall, friction.max(), station, order)
+    history = Reversals(station.k_t[order], fall, left, np.append(0, ends), upward)
+    loops = count_loops(history, closed, slip.fresh and not len(cycle))
+    start, end = order[loops.start], order[loops.end]
+    retreat = 2 * fall[loops.end]
     return CountedCycles(
         start=start,
         end=end,
-        count=counted.count,
+        count=loops.count,
         k_t_range=np.abs(station.k_t[end] - station.k_t[start]),
         k_t_mean=(station.k_t[end] + station.k_t[start]) / 2,
-        effective_range=counted.range,
-        slip=np.maximum(reach - retreat, 0.0) / (friction.max() * station.k_n[end]),
+        effective_range=loops.range,
+        slip=np.maximum(loops.reach - retreat, 0.0) / (friction.max() * station.k_n[end]),
         closed=closed,
         reason="",
     )
+
+
+def _left(fall: Array, friction: float, station: StationHistory, states: Indices) -> Array:
+    """(n,) f K_I by which places differ that an edge has left, from its outermost place on.
+
+    K_I grows with the edge less than by the largest K_N: far from the edge places are left for
+    which f K_I has not fallen enough. Without contact nothing remembers anything.
+    """
+    inward, k_n = station.inward * station.position[states], station.k_n[states]
+    if not np.isfinite(inward).any():
+        return fall
+    moved = friction * np.nanmax(k_n) * (inward - np.nanmin(inward)) / 2
+    return np.where(np.isfinite(inward), np.maximum(fall, moved), np.inf)
 
 
 def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
@@ -206,15 +217,6 @@ def _order(states: Indices, slip: _Slip, returns: bool) -> tuple[Indices, bool]:
     period = states[1:]
     largest = int(np.argmax(slip.forward[period]))
     return np.append(np.roll(period, -largest), period[largest]), True
-
-
-def _first_loading(values: Array) -> Array:
-    """(n,) twice the load at each reversal from the first on if it is the largest yet, else 0.
-
-    Beyond all that was before, slip reaches as far as if the load had grown from nothing.
-    """
-    loads = np.abs(values - values[0])
-    return np.asarray(np.where(loads >= np.maximum.accumulate(loads), 2 * loads, 0.0))
 
 
 def worst_path(
@@ -249,14 +251,37 @@ def worst_cycle(
     start, end = sorted((int(cycles.start[number]), int(cycles.end[number])))
     states = cycle if len(cycle) else np.arange(start, len(station.k_t))
     slip = _slip(states, friction, station)
-    # A range from backward to forward reversal is the larger one that way round.
-    upward = slip.forward[end] - slip.backward[start]
-    way = 1 if upward > slip.forward[start] - slip.backward[end] else -1
-    halves = _closed_halves(end, way, len(cycle) - 1, slip) if cycles.closed else ((start, end),)
+    f_k_i = friction.max() * station.k_i
+    if takes_away(f_k_i[states].max() - f_k_i[states], station.k_t[states]):
+        ways, predicted = _longest_ways(slip, f_k_i, station, cycle), math.nan
+    else:
+        # A range from backward to forward reversal is the larger one that way round.
+        upward = slip.forward[end] - slip.backward[start]
+        way = 1 if upward > slip.forward[start] - slip.backward[end] else -1
+        period = len(cycle) - 1
+        halves = _closed_halves(end, way, period, slip) if cycles.closed else ((start, end),)
+        ways = tuple(zip(halves, (-way, way)[-len(halves) :], strict=True))
+        predicted = float(cycles.slip[number])
     outer = np.ones(len(station.k_t), dtype=bool)
-    for half, sense in zip(reversed(halves), (way, -way), strict=False):
+    for half, sense in ways:
         outer[half[0] + 1 : half[1] + 1] = _outer_steps(slip, *half, sense)
-    return Worst(halves, float(cycles.slip[number]), outer)
+    return Worst(tuple(half for half, _ in ways), predicted, outer)
+
+
+def _longest_ways(
+    slip: _Slip, f_k_i: Array, station: StationHistory, cycle: Indices
+) -> tuple[tuple[tuple[int, int], int], ...]:
+    """Half cycles with the longest slip zones, in time order, and which way slip goes in each."""
+    begin, last = slip.begin, int(cycle[-1]) if len(cycle) else len(station.k_t) - 1
+    known = slice(begin, last + 1)
+    first = int(cycle[0]) - begin if len(cycle) else 0
+    found = longest_zones(station.k_t[known], f_k_i[known], station.k_n[known], first)
+    ways = [
+        ((half[0] + begin, half[1] + begin), way)
+        for half, way in zip(found, (1, -1), strict=True)
+        if half is not None
+    ]
+    return tuple(sorted(ways, key=lambda each: each[0][1]))
 
 
 def _closed_halves(last: int, way: int, period: int, slip: _Slip) -> tuple[tuple[int, int], ...]:

@@ -19,6 +19,13 @@ from fretfe._typing import Array
 LEVELS = 800
 # Part of the way of an edge that draws back by which K_T there is not known.
 SLACK = 0.02
+# Part of the range of K_T by which places have to slip: increments of an edge that moves leave so
+# much from cycle to cycle.
+LEAST_SLIP = 0.02
+# Zones whose lengths differ by less than this part are equal, and the last one counts.
+SAME_LENGTH = 1e-3
+# Part of a zone at which its inner end begins.
+INNER = 0.95
 
 
 def depths(k_t: Array, retreat: Array) -> Array:
@@ -58,6 +65,40 @@ def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False)
             memory = np.where((radius >= now) & (radius < before), covered, memory)
         memory = np.clip(memory, k_t[state] + now - radius, k_t[state] - now + radius)
         memory = np.where(radius < now, k_t[state], memory)
+
+
+def longest_zones(
+    k_t: Array, f_k_i: Array, k_n: Array, first: int
+) -> tuple[tuple[int, int] | None, tuple[int, int] | None]:
+    """Forward and backward, the states between which the longest slip zone comes about.
+
+    It comes about since the places at its inner end were covered or slipped the other way. None
+    where nothing slips that way.
+
+    Args:
+        k_t: (n,) at the states.
+        f_k_i: (n,) f K_I at the states.
+        k_n: (n,) K_N at the states; NaN where not known.
+        first: state after which zones are looked for.
+    """
+    retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * np.ptp(k_t)
+    radius = depths(k_t, retreat) / 2
+    since = np.zeros((2, len(radius)), dtype=np.int64)
+    longest = [0.0, 0.0]
+    found: list[tuple[int, int] | None] = [None, None]
+    for state, memory in enumerate(remembered(k_t, retreat, 2 * radius), 1):
+        free = radius - retreat[state]
+        beyond = free + least
+        slips = (free >= 0) & np.array([memory < k_t[state] - beyond, memory > k_t[state] + beyond])
+        for way in np.flatnonzero(slips.any(axis=1)).tolist():
+            deepest = int(np.flatnonzero(slips[way])[-1])
+            length = free[deepest] / k_n[state]
+            if state > first and k_n[state] > 0 and length >= (1 - SAME_LENGTH) * longest[way]:
+                begin = int(since[way, int(INNER * deepest)])
+                longest[way], found[way] = max(length, longest[way]), (begin, state)
+        since[0, slips[1] | (free < 0)] = state
+        since[1, slips[0] | (free < 0)] = state
+    return found[0], found[1]
 
 
 def slip_drive(k_t: Array, f_k_i: Array) -> Array:

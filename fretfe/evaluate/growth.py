@@ -170,10 +170,12 @@ def zone_growth(
         outer: (T,) whether the slip in the step to each state counts.
     """
     f = float(friction.max())
-    begin = max(int(np.argmax(friction > 0)) - 1, 0)
+    first = max(int(np.argmax(friction > 0)) - 1, 0)
     known = np.isfinite(station.k_t) & np.isfinite(station.k_i)
     known[end] &= np.isfinite(station.k_n[end])
-    if not f > 0 or not known[begin : end + 1].all():
+    gaps = np.flatnonzero(~known[: start + 1])
+    begin = max(first, int(gaps[-1]) + 1 if len(gaps) else 0)
+    if not f > 0 or begin > start or not known[begin : end + 1].all():
         return None
     states = np.arange(begin, end + 1)
     k_t, retreat = station.k_t[states], f * (station.k_i[states].max() - station.k_i[states])
@@ -184,6 +186,8 @@ def zone_growth(
     depth = (ends[1:] + ends[:-1]) / 2
     ways = [(*_driven(each, retreat, ends, counted), each) for each in (k_t, -k_t)]
     rates, reach, way = max(ways, key=lambda each: float(each[0].sum()))
+    if begin > first and reach.max() > 2 * retreat[0]:  # places that may have slipped before
+        return None
     if rates.any() and (np.diff(retreat) < 0).any():  # the shape is that of the nodes
         rates, _ = _driven(way, retreat, ends, counted, in_steps=True)
     if not rates.sum() > UNDRIVEN * ends[-1]:

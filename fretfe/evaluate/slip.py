@@ -178,9 +178,9 @@ def slip_zones(
             loop = float(lengths[end - start])
         elif swept and border.length - border.spread > loop:  # slip that no edge drives
             border = replace(border, resolved=False, spread=max(border.spread, border.length))
-        if worst and not len(cycle):
+        if worst and not len(cycle) and math.isfinite(worst.predicted):
             cyclic = worst.predicted
-        elif not pressed and not len(cycle) and len(lengths) and _moves(station, start, end):
+        elif not len(cycle) and len(lengths) and (worst or _moves(station, start, end)):
             cyclic = float(lengths[end - start])
         elif fresh and start == begin and not pressed and math.isfinite(station.k_n[end]):
             rise = float(station.k_t[end] - station.k_t[begin])
@@ -260,12 +260,15 @@ def _longest(start: int, end: int, lengths: Array, station: StationHistory) -> i
 def _swept(cycle: States, friction: float, end: int, station: StationHistory, loop: float) -> bool:
     """True if the edge itself draws back in a cycle to where permanent stick begins.
 
-    Then (11) is the way of the edge, whatever slips on it.
+    Then (11) is the way of the edge, whatever slips on it. K_I falls by less than that of the whole
+    way, as K_N falls with it; where there is no contact left the edge has been everywhere.
     """
-    if not math.isfinite(loop):
+    if not loop > 0:
         return False
-    way = 2 * friction * (station.k_i[end] - station.k_i[cycle].min())
-    return bool(0 < friction * station.k_n[end] * loop <= (1 + SWEPT) * way)
+    fallen = station.k_i[end] - station.k_i[cycle].min()
+    inward = station.inward * (station.position[cycle] - station.position[end])
+    way = max(2 * fallen / station.k_n[end], float(np.max(inward)))  # NaN without contact
+    return not loop > (1 + SWEPT) * way
 
 
 @dataclass(frozen=True)

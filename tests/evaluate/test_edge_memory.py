@@ -46,11 +46,10 @@ HISTORIES: dict[str, tuple[list[tuple[float, float]], list[tuple[float, float]]]
         [(1, 0), (1, 0.3), (0.8, 0.3)],
         [(2, d(0.8, 0.5))],
     ),
-    # The worst cycle alone: punches from .714 to .793 carry .693 f and take the rest of f, those
-    # below it carry -f; they take .095 and what those from .793 to .851 lose.
+    # The longest zone each way. Punches from .923 to 1 come back with f and take .077; others turn.
     "both fall, and the way turns meanwhile": (
-        [(1, 0), (0.923, -0.216), (1, 0.006), (0.714, -0.188), (0.851, -0.093), (0.793, 0.002)],
-        [(5, d(0.793, 0.714 - (0.095 + 0.058 * 0.693 - 0.079 * 0.307) / 2))],
+        [(1, 0), (0.923, -0.216), (1, 0.006), (0.714, -0.188), (0.851, -0.093), (0.8, -0.01)],
+        [(1, d(0.923, 0.923 - 0.216)), (2, d(1, 0.923 - (0.222 - 0.077) / 2))],
     ),
 }
 

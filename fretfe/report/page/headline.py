@@ -348,8 +348,10 @@ def cycle_sentences(run: Result) -> str:
     if run.failure is not None:
         return f"There is no evaluated cycle, as not all steps are solved.{worst}"
     told = "" if run.solid or worst else " Ranges over it are missing."
-    reason = "no load is a wave or a repeated table or returns to zero, and [cycle] gives none"
-    return f"There is no evaluated cycle: {reason}.{worst or told}"
+    reason = (
+        "no load is a wave or a repeated table, nor do all return to zero with friction all along"
+    )
+    return f"There is no evaluated cycle: {reason}, and [cycle] gives none.{worst or told}"
 
 
 def _worst_cycle(run: Result) -> str:
