@@ -235,12 +235,12 @@ class CountedCycles:
 
     @property
     def worst(self) -> int:
-        """Number of the cycle with the largest effective range, the last one of equal ones.
+        """Number of the cycle with the largest range of K_T, the last one of equal ones.
 
         Raises:
             ValueError: if there is none.
         """
-        size = self.effective_range
+        size = self.k_t_range
         return int(np.flatnonzero(size >= (1 - SAME_RANGE) * size.max())[-1])
 
     @property

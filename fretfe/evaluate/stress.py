@@ -179,7 +179,7 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
 
 def largest_range(edge: Station) -> float:
     """The range of the worst counted cycle of an edge."""
-    return float(edge.cycles.effective_range.max(initial=0.0))
+    return float(edge.cycles.k_t_range.max(initial=0.0))
 
 
 @dataclass(frozen=True)

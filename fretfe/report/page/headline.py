@@ -357,7 +357,7 @@ def cycle_sentences(run: Result) -> str:
 def _worst_cycle(run: Result) -> str:
     """The worst counted cycle of all edges or stations; empty if the loads are regular."""
     found = [
-        (float(cycles.effective_range[cycles.worst]), contact, edge)
+        (float(cycles.k_t_range[cycles.worst]), contact, edge)
         for contact, edge in shown_stations(run.contacts)
         if (cycles := edge.cycles).irregular
     ]
