@@ -34,10 +34,10 @@ from pathlib import Path
 import numpy as np
 from scipy import sparse
 
-from fretfe._typing import Array
 from fretfe.environment import loaded_libraries
 from fretfe.errors import MemoryShortError, ModelError
 from fretfe.fem._compat import DGEMMT, PETSc, petsc_library
+from fretfe.fem.symmetric import SymmetricMatrix
 
 # MUMPS control: the fill-reducing ordering. Approximate minimum degree is analysed several times
 # faster than nested dissection, which pays in three dimensions only.
@@ -57,8 +57,6 @@ BY_ROWS = 1
 # not again. PETSc reads it before it lets several ranks solve, and refuses with a complement
 # (`MatMatSolve_MUMPS`, 3.22 to 3.25), although MUMPS can; so it is taken back after factorisation.
 NO_COMPLEMENT = 0
-# Rows of a full matrix that are worked on at a time.
-BLOCK = 256
 # MUMPS control: a factor goes to files while it is made, and is read from them by each solve. In
 # memory stay the fronts of the moment. The environment variable names the folder.
 FILES_CONTROL = 22
@@ -94,7 +92,7 @@ class BorderedFactor:
 
     Attributes:
         matrix: K.
-        compliance: (n, n), on rank 0; None elsewhere. The factor is kept as long as this is.
+        compliance: (n, n), on rank 0; None elsewhere.
     """
 
     def __init__(
@@ -118,7 +116,7 @@ class BorderedFactor:
         _call("MatFactorSetSchurIS", factor.handle, index_set.handle)
         _set_up(solver, count)
         _destroy(solver, bordered)
-        self.compliance = _read_complement(factor, comm.rank, count)
+        self.compliance = _take_complement(factor, comm.rank, count)
         factor.setMumpsIcntl(SCHUR_CONTROL, NO_COMPLEMENT)
         factor.setMumpsIcntl(SCHUR_SOLVE_CONTROL, INTERIOR_ONLY)
 
@@ -181,7 +179,8 @@ def _trial_error() -> float:
     except ModelError:
         return np.inf
     expected = border @ np.linalg.solve(full, border.T.toarray())
-    return float(np.abs(found - expected).max() / np.abs(expected).max())
+    assert found is not None
+    return float(np.abs(found.whole() - expected).max() / np.abs(expected).max())
 
 
 def _needs_dgemmt() -> bool:
@@ -277,8 +276,8 @@ def _distributed(comm: PETSc.Comm, rows: sparse.csr_matrix, columns: int) -> PET
     return PETSc.Mat().createAIJ(((rows.shape[0], None), (columns, None)), csr=csr, comm=comm)
 
 
-def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:
-    """(n, n) minus the Schur complement, in MUMPS' own memory; rank 0 only."""
+def _take_complement(factor: PETSc.Mat, rank: int, size: int) -> SymmetricMatrix | None:
+    """(n, n) minus the Schur complement, whose memory is given back; rank 0 only."""
     handle, status = ctypes.c_void_p(), ctypes.c_int()
     schur = ctypes.byref(handle), ctypes.byref(status)
     _call("MatFactorGetSchurComplement", factor.handle, *schur)
@@ -286,22 +285,13 @@ def _read_complement(factor: PETSc.Mat, rank: int, size: int) -> Array | None:
         return None
     data = ctypes.POINTER(ctypes.c_double)()
     _call("MatDenseGetArray", handle, ctypes.byref(data))
-    memory = (ctypes.c_double * size**2).from_address(ctypes.addressof(data.contents))
-    memory.factor = factor  # type: ignore[attr-defined]  # as long as the array, a view, is
+    values = np.ctypeslib.as_array(data, (size, size))
+    by_rows = factor.getMumpsIcntl(SCHUR_CONTROL) == BY_ROWS
+    found = SymmetricMatrix(values if by_rows else values.T, -1.0)
     _call("MatDenseRestoreArray", handle, ctypes.byref(data))
-    values = np.frombuffer(memory).reshape(size, size)
-    _negate_symmetric(values.T if factor.getMumpsIcntl(SCHUR_CONTROL) == BY_ROWS else values)
-    return values
-
-
-def _negate_symmetric(values: Array) -> None:
-    """Minus a symmetric matrix of which the upper triangle is known, in place."""
-    for begin in range(0, len(values), BLOCK):
-        end = begin + BLOCK
-        corner = values[begin:end, begin:end]
-        corner[:] = -np.triu(corner) - np.triu(corner, 1).T
-        values[begin:end, end:] *= -1.0
-        values[end:, begin:end] = values[begin:end, end:].T
+    # Full, as large as the matrices of all steps; solves for the interior do not read it.
+    _call("MatDenseReplaceArray", handle, None)
+    return found
 
 
 def _call(name: str, *arguments: object) -> None:

@@ -36,6 +36,7 @@ from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
 from fretfe.fem.elasticity import ElasticBody, PlacedNodes
 from fretfe.fem.restraints import Restraints
+from fretfe.fem.symmetric import SymmetricMatrix
 from fretfe.fem.timing import Clock
 
 
@@ -63,7 +64,7 @@ class CondensedBody:
     """
 
     name: str
-    compliance: Array
+    compliance: SymmetricMatrix
     motion: Array
     loads: Array
     stiffness: Array
@@ -277,7 +278,7 @@ class Body:
             held=surface_held,
         )
 
-    def _compliance(self, free: Array) -> tuple[Array | None, float]:
+    def _compliance(self, free: Array) -> tuple[SymmetricMatrix | None, float]:
         """(n, n) compliance on rank 0, and the compliance given to free motions.
 
         Balancing the forces and taking the mean motion out of the displacements, as `_respond`
@@ -297,11 +298,10 @@ class Body:
         )
         fill = 0.0
         if compliance is not None:
-            compliance -= free @ coupling.T
-            compliance -= coupling @ free.T
-            compliance += free @ mean @ free.T
-            fill = float(np.trace(compliance) / np.sum(free**2))
-            compliance += fill * free @ free.T
+            left = np.hstack([free, coupling, free @ mean])
+            compliance.add_product(left, np.hstack([-coupling, -free, free]))
+            fill = compliance.trace() / float(np.sum(free**2))
+            compliance.add_product(fill * free, free)
         return compliance, comm.bcast(fill)
 
     def _balancing_forces(self) -> list[PETSc.Vec]:

@@ -20,6 +20,7 @@ from fretfe.contact.interface import (
     coordinate_range,
 )
 from fretfe.fem.condensation import CondensedBody
+from fretfe.fem.symmetric import mirror_lower
 
 # Pivots of the compliance below this fraction of its largest entry are round-off.
 DEPENDENT = 1e-11
@@ -38,12 +39,9 @@ class ReducedBody:
         self.rows = rows
 
     def add_to(self, system: dict[str, Array], columns: slice) -> None:
-        """Add this body to A, L, G, K and H; `columns` are its coordinates."""
+        """Add this body to L, G, K, H and the lower half of A; `columns` are its coordinates."""
         body, rows = self.body, self.rows
-        if len(rows) == len(system["compliance"]):  # in order: no copy of a large matrix
-            system["compliance"] += body.compliance
-        else:
-            system["compliance"][np.ix_(rows, rows)] += body.compliance
+        body.compliance.add_to(system["compliance"], rows)
         system["loads"][rows] += body.loads
         system["motion"][rows, columns] = body.motion
         system["stiffness"][columns, columns] = body.stiffness
@@ -77,7 +75,7 @@ class ReducedBody:
         first = int(np.searchsorted(self.rows, components.start))
         own = slice(first, first + components.stop - components.start)
         return np.asarray(
-            y[:, self.rows] @ self.body.compliance[:, own]
+            self.body.compliance.multiply(y[:, self.rows].T, own).T
             + coordinates @ self.body.motion[own].T
             + amplitudes @ self.body.loads[own].T
         )
@@ -115,6 +113,7 @@ def build_interface(
     }
     for name, body in reduced.items():
         body.add_to(system, coordinate_range(everything, name))
+    mirror_lower(system["compliance"])
     nodes = _node_ranges(pairs)
     for number, load in enumerate(loads):
         if load.closes:
