@@ -94,7 +94,7 @@ class Body:
         elastic: space and operators of the body.
         loads: spread loads.
         surface_unknowns: (p*c,) global numbers of the displacements of the surface points.
-        condensed: on rank 0, None elsewhere.
+        condensed: on rank 0 until it is part of the interface problem, None elsewhere.
     """
 
     def __init__(

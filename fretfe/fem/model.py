@@ -205,6 +205,7 @@ class Model:
             own = self.bodies[name].condensed if name in self.bodies else None
             if root > 0 and self.comm.rank == root:
                 self.comm.send(own, 0, tag=number)
+                self.bodies[name].condensed = None  # as large as the interface
             elif self.comm.rank == 0:
                 found = own if root == 0 else self.comm.recv(source=root, tag=number)
                 assert found is not None

@@ -42,6 +42,7 @@ class ReducedBody:
         """Add this body to L, G, K, H and the lower half of A; `columns` are its coordinates."""
         body, rows = self.body, self.rows
         body.compliance.add_to(system["compliance"], rows)
+        body.compliance.shorten()  # only slopes of its surfaces are found with it from here on
         system["loads"][rows] += body.loads
         system["motion"][rows, columns] = body.motion
         system["stiffness"][columns, columns] = body.stiffness
@@ -64,7 +65,7 @@ class ReducedBody:
     def relative_displacement(
         self, y: Array, coordinates: Array, amplitudes: Array, components: slice
     ) -> Array:
-        """(T, k) part of this body in w.
+        """(T, k) part of this body in w, with the compliance in single precision.
 
         Args:
             y: (T, N*d) weighted tractions.

@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
 
@@ -23,11 +25,10 @@ class SymmetricMatrix:
 
     def __init__(self, triangle: Array, factor: float = 1.0) -> None:
         self._size = len(triangle)
-        self._blocks = [
-            np.multiply(factor, triangle[rows, : rows.stop], order="C")
-            for rows in _ranges(self._size)
-        ]
+        entries = sum((rows.stop - rows.start) * rows.stop for rows in _ranges(self._size))
+        self._values: NDArray[Any] = np.empty(entries)  # one array: its memory is given back whole
         for rows, block in self._parts():
+            np.multiply(factor, triangle[rows, : rows.stop], out=block)
             _mirror_small(block[:, rows])
 
     def add_product(self, left: Array, right: Array) -> None:
@@ -47,6 +48,10 @@ class SymmetricMatrix:
                 matrix[rows, : rows.stop] += block
             else:
                 matrix[np.ix_(places[rows], places[: rows.stop])] += block
+
+    def shorten(self) -> None:
+        """Keep single precision only."""
+        self._values = self._values.astype(np.float32)
 
     def multiply(self, vectors: Array, wanted: slice) -> Array:
         """(w, J) some rows of it times vectors (n, J)."""
@@ -68,9 +73,13 @@ class SymmetricMatrix:
         mirror_lower(matrix)
         return matrix
 
-    def _parts(self) -> Iterator[tuple[slice, Array]]:
+    def _parts(self) -> Iterator[tuple[slice, NDArray[Any]]]:
         """Blocks and their rows."""
-        return zip(_ranges(self._size), self._blocks, strict=True)
+        end = 0
+        for rows in _ranges(self._size):
+            begin, height = end, rows.stop - rows.start
+            end += height * rows.stop
+            yield rows, self._values[begin:end].reshape(height, rows.stop)
 
 
 def mirror_lower(matrix: Array) -> None:

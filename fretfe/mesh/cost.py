@@ -49,8 +49,8 @@ ALWAYS = 2.7e8
 UNKNOWNS_PER_ELEMENT = {2: 1.0, 3: 0.54}
 FEWEST_UNKNOWNS = 1000
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry:
-# in space MUMPS has a dense front of that size, and its copy, beside those of the bodies.
-MATRICES = {2: 5.5, 3: 9.0}
+# those of the steps, and dense fronts of that size, which MUMPS keeps room for beside each factor.
+MATRICES = {2: 4.0, 3: 6.5}
 # Part of the memory of the machine from which on factors go to disk: two ranks condense two bodies
 # at the same time, each with the fronts of its own, and the system keeps the files in what is left.
 IN_MEMORY = 0.5
@@ -60,7 +60,7 @@ MOST = 0.5
 # the last one, the contact tractions among them; full matrices in the steps.
 PER_UNKNOWN_ON_DISK = {2: 1000.0, 3: 2200.0}
 FRONTS = 1.6
-MATRICES_ON_DISK = 5.5
+MATRICES_ON_DISK = 4.0
 # Seconds: a factor by n^1.5 in the plane and, as separators of s unknowns take s^3 operations for
 # s^2 entries, by those to the power of 1.5 in space; what is done cell by cell by n, start-up and
 # what does not grow.
@@ -243,7 +243,8 @@ def estimate_cost(
     there = machine_memory()
     on_disk = there is not None and ranks * ALWAYS + sum(parts) + dense > IN_MEMORY * there
     if on_disk:
-        memory = _memory_on_disk(mesh, degree, tractions, sum(bodies))
+        dense = _dense_on_disk(mesh, degree, tractions)
+        memory = ALWAYS + PER_UNKNOWN_ON_DISK[dimension] * sum(bodies) + dense
     preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(bodies)
     steps_of_one = 1 - SHARED_STEPS + SHARED_STEPS / ranks
     interface = ORDERS * INTERFACE * tractions**3 * steps_of_one
@@ -292,11 +293,11 @@ def finer_model(mesh: Mesh, cost: Cost, surfaces: Iterable[str], sizes: tuple[fl
     factors = cost.memory - cost.dense - ALWAYS - PER_UNKNOWN[3] * cost.unknowns
     unknowns = more * cost.unknowns
     memory = ALWAYS + max(factors, 0.0) * more**POWER_IN_SPACE + PER_UNKNOWN[3] * unknowns
-    memory += cost.dense * tractions**2
+    full = 8.0 * (tractions * cost.tractions) ** 2
+    memory += MATRICES[3] * full
     there = machine_memory()
-    if there is not None and memory > IN_MEMORY * there:
-        full = cost.dense * tractions**2 * MATRICES_ON_DISK / MATRICES[3]
-        memory = ALWAYS + PER_UNKNOWN_ON_DISK[3] * unknowns + full
+    if cost.on_disk or (there is not None and memory > IN_MEMORY * there):
+        memory = ALWAYS + PER_UNKNOWN_ON_DISK[3] * unknowns + MATRICES_ON_DISK * full
     text = f"about {_whole(unknowns)} unknowns, {_rounded(memory / 2**30)} GB"
     if there is not None and memory > there:
         text += ", more than this machine has; with edges.tolerance only fronts get finer elements"
@@ -312,16 +313,13 @@ def _more(lengths: Array, sizes: tuple[float, float], power: int) -> tuple[float
     return float(np.mean((lengths[:, None] / shorter) ** power)), len(lengths)
 
 
-def _memory_on_disk(mesh: Mesh, degree: int, tractions: int, unknowns: int) -> float:
-    """Bytes of a model whose factors are on disk: most in the steps, or in the last body."""
-    dimension, full = mesh.dimension, 8.0 * tractions**2
+def _dense_on_disk(mesh: Mesh, degree: int, tractions: int) -> float:
+    """Bytes of the full matrices with factors on disk: most in the steps, or in the last body."""
+    full = 8.0 * tractions**2
     last = max(_last_front(body, degree, tractions) for body in mesh.bodies.values())
-    condensing = full * len(mesh.bodies) + 8.0 * FRONTS * last**2
-    return (
-        ALWAYS
-        + PER_UNKNOWN_ON_DISK[dimension] * unknowns
-        + max(condensing, full * MATRICES_ON_DISK)
-    )
+    # Halves of the bodies before, the complement of this one, and its last fronts.
+    condensing = full * (len(mesh.bodies) + 1) / 2 + 8.0 * FRONTS * last**2
+    return max(condensing, full * MATRICES_ON_DISK)
 
 
 def _last_front(body: BodyMesh, degree: int, tractions: int) -> float:

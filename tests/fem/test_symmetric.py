@@ -30,3 +30,5 @@ def test_half_a_matrix_does_what_the_whole_one_does() -> None:
     mirror_lower(larger)
     np.testing.assert_allclose(larger[np.ix_(places, places)], full, rtol=0, atol=1e-13)
     assert np.count_nonzero(larger) == SIZE**2
+    half.shorten()
+    np.testing.assert_array_equal(half.whole(), half.whole().astype(np.float32))
