@@ -50,7 +50,7 @@ UNKNOWNS_PER_ELEMENT = {2: 1.0, 3: 0.54}
 FEWEST_UNKNOWNS = 1000
 # Full matrices of the size of the interface that are held at the same time, of 8 bytes an entry:
 # those of the steps, and dense fronts of that size, which MUMPS keeps room for beside each factor.
-MATRICES = {2: 4.0, 3: 6.5}
+MATRICES = {2: 4.0, 3: 5.0}
 # Part of the memory of the machine from which on factors go to disk: two ranks condense two bodies
 # at the same time, each with the fronts of its own, and the system keeps the files in what is left.
 IN_MEMORY = 0.5

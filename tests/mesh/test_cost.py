@@ -140,7 +140,7 @@ def test_a_contact_that_cannot_fit_gets_a_proposal(monkeypatch: pytest.MonkeyPat
         estimate_cost(solid(10, 10), 2, nodes=100, amount=Amount(100)),
         tractions=32_000, dense=dense, memory=dense + 4 * GB,
     )  # fmt: skip
-    assert "50 GB of them for the contact tractions" in found.text
+    assert "38 GB of them for the contact tractions" in found.text
     monkeypatch.setattr(cost, "machine_memory", lambda: 4 * GB + dense / 4)
     with pytest.raises(ModelError, match="layers along the edge") as caught:
         refuse_too_large(found)
