@@ -6,6 +6,7 @@ One that cannot be loaded, or raises, is named with its package.
 
 from __future__ import annotations
 
+import reprlib
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -86,6 +87,18 @@ class PlugIn:
             raise DependencyError(f"{self.title} failed: {text}") from error
 
 
+def what(value: object) -> str:
+    """What a plug-in returns in place of what it should: of an array its shape and kind."""
+    if not hasattr(value, "shape"):
+        return reprlib.repr(value)
+    import numpy as np
+
+    array = np.asarray(value)
+    lost = int(np.sum(~np.isfinite(array))) if array.dtype.kind in "fc" else 0
+    more = f", of which {lost} are not finite" if lost else ""
+    return f"an array of the shape {array.shape} of {array.dtype}{more}"
+
+
 def plug_ins(group: str, own: Sequence[str] = ()) -> list[PlugIn]:
     """All of a group, in the order in which a name is given away: fretfe, then by name.
 
@@ -119,7 +132,7 @@ def plugged_file(group: str, name: str) -> Path | None:
         return None
     path = found.call()
     if not isinstance(path, Path) or not path.is_file():
-        raise DependencyError(f"{found.title}: expected the Path of a file, found {path!r}")
+        raise DependencyError(f"{found.title}: expected the Path of a file, found {what(path)}")
     return path
 
 

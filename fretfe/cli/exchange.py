@@ -283,7 +283,8 @@ def export(
     angle: Annotated[
         list[float] | None,
         typer.Option(
-            help="Of these places, from the inward normal, positive under the contact; likewise.",
+            help="Of these places from the inward normal, -80 to 80 degrees, positive under the "
+            "contact; likewise.",
             show_default="0",
         ),
     ] = None,

@@ -27,7 +27,7 @@ from fretfe.decision.assessment import (
 )
 from fretfe.decision.damage import Damage, counted_damage
 from fretfe.decision.end_parts import EndPart, end_parts
-from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.field import EdgeField, edge_field, error_of_tractions
 from fretfe.decision.front_stations import along_fronts, worst_of
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
@@ -35,7 +35,7 @@ from fretfe.decision.thresholds import critical_length, growth_life, short_lengt
 from fretfe.decision.worst_places import Limits, worst_places
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.plugins import PlugIn, plug_ins
+from fretfe.plugins import PlugIn, plug_ins, what
 from fretfe.results.model import Result
 from fretfe.strength.margins import Margin, result_labels, strength_map
 
@@ -261,14 +261,14 @@ def _edge(
     bars = _Bars.of(field, station, data)
     body = isotropic(result.case.bodies[name])
     assert body is not None
-    arrest, life = _arrest(field, data)
-    judgements = [by_tests, _by_arrest(arrest, bars)]
+    arrest, life, place = _worst_arrest(field, data)
+    judgements = [by_tests, _by_arrest(arrest, bars, place)]
     judgements += _by_distances(field, station, data, body, bars)
     judgements += _by_others(field, station, asked, bars)
     known = None if isinstance(arrest, str) else arrest
     return EdgeAssessment(
         contact.name, station.front, name, station.friction, tuple(judgements), known, life,
-        bars.relative, field.smooth.spread, depth=field.reach(0.0),
+        bars.relative, field.smooth.spread, depth=field.reach(0.0), element=field.size,
         straight=_straight(station) if contact.solid else math.inf,
     )  # fmt: skip
 
@@ -291,10 +291,8 @@ class _Bars:
     @classmethod
     def of(cls, field: EdgeField, station: Station, data: FatigueData) -> _Bars:
         """By the bars of ΔK_T and K_N, and by that of the stress beside the tractions."""
-        k_n, spread = station.decisive_k_n
-        of_range = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
         amplitude = math.nan if data.limit is None else data.limit.stress_range / 2
-        return cls(math.hypot(of_range, spread / k_n), field.smooth.spread / amplitude)
+        return cls(error_of_tractions(station), field.smooth.spread / amplitude)
 
     def around(
         self, criterion: Rule, margin: float, place: float = math.nan, weight: float = 1.0
@@ -326,6 +324,21 @@ def _by_tests(margin: Margin | None, *, given: bool) -> Judgement:
     return Judgement(Criterion.TESTS, margin.margin, margin.low, margin.high)
 
 
+def _worst_arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float, float]:
+    """As of `_arrest`, of the cracks with the smaller margin, and where they start.
+
+    NaN of those from the outermost place of the edge.
+    """
+    (arrest, life), *others = (_arrest(each, data) for each in field.starts)
+    place = math.nan
+    for other, own in others:
+        if isinstance(arrest, str):
+            break
+        if isinstance(other, str) or other.margin < arrest.margin:
+            arrest, life, place = other, own, field.pulled
+    return arrest, life, place
+
+
 def _arrest(field: EdgeField, data: FatigueData) -> tuple[Arrest | str, float]:
     """Arrest of cracks, and the life of the deepest one between two lengths."""
     if data.threshold is None or data.limit is None:
@@ -354,11 +367,11 @@ def _life(arrest: Arrest, data: FatigueData) -> float:
     return growth_life(crack.lengths, crack.ranges, data.growth, *data.lengths)
 
 
-def _by_arrest(arrest: Arrest | str, bars: _Bars) -> Judgement:
+def _by_arrest(arrest: Arrest | str, bars: _Bars, place: float) -> Judgement:
     if isinstance(arrest, str):
         return Judgement(Criterion.ARREST, reason=arrest)
     # Cracks that leave what is known before they are nearest to stopping may stop beyond.
-    found = bars.around(Criterion.ARREST, arrest.margin)
+    found = bars.around(Criterion.ARREST, arrest.margin, place)
     return replace(found, high=bars.around(Criterion.ARREST, arrest.largest).high)
 
 
@@ -372,6 +385,11 @@ def _by_distances(
     elif 2 * length > field.reach(0.0):
         reason = (
             f"the stress is needed down to {2 * length:.3g} and known to {field.reach(0.0):.3g}"
+        )
+    elif length / 2 < field.finest:
+        reason = (
+            f"the stress is needed at {length / 2:.3g}, within an element of the edge, "
+            f"{field.finest:.3g}, and slip zones have too few elements"
         )
     if reason or data.limit is None:
         yield from (Judgement(each, reason=reason) for each in list(Criterion)[2:])
@@ -399,7 +417,7 @@ def _by_others(
         except FretfeError as error:
             yield Judgement(criterion, reason=str(error))
             continue
-        wrong = f"{each.title}: expected a positive margin, found {margin!r}"
+        wrong = f"{each.title}: expected a positive margin, found {what(margin)}"
         good = isinstance(margin, int | float) and margin > 0
         yield bars.around(criterion, margin) if good else Judgement(criterion, reason=wrong)
 

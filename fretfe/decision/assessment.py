@@ -90,6 +90,7 @@ class EdgeAssessment:
         lost: stations of the front that are not judged, by the reason; without those of ends that
             have a sub-model.
         depth: to which the stress is looked at; NaN where it is unknown.
+        element: size of an element at the edge; NaN where the stress is unknown.
         straight: least radius of the front, and distance from its ends, of the stations judged:
             down to depths short against it fields are plane. Infinite in the plane.
     """
@@ -107,6 +108,7 @@ class EdgeAssessment:
     damage: Damage | None = None
     lost: dict[str, tuple[int, ...]] = field(default_factory=dict)
     depth: float = math.nan
+    element: float = math.nan
     straight: float = math.inf
 
     @property

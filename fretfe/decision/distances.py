@@ -24,10 +24,16 @@ PARTS = 4
 
 
 def judged_places(field: EdgeField, station: Station, length: float) -> Array:
-    """(m,) x along the surface: a few critical distances around the edge, all of the slip zone."""
+    """(m,) x along the surface: a few critical distances around the edge, all of the slip zone.
+
+    The slip zone begins at all places that the edge takes.
+    """
     outward, inward = field.smooth.widest
     zone = station.longest_zone
     slip = 0.0 if zone is None or not math.isfinite(zone.length) else zone.length
+    known = station.position[field.states]
+    known = known[np.isfinite(known)]
+    slip += float(np.ptp(known)) if len(known) else 0.0
     first, last = -min(5 * length, outward), min(max(2 * length, slip), inward)
     # The stress at a depth of half of L rises and falls along the surface within L at least.
     count = int(np.clip((last - first) / (STEP * length), FEWEST, MOST))

@@ -17,23 +17,23 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
 from scipy.special import comb
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.partial_slip import linear_stress
 from fretfe.case import isotropic
+from fretfe.decision.near_field import ContactTractions, NearField, Side, element_size
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import StressHistory, judged_states
 from fretfe.history.solution import ContactHistory
 from fretfe.materials.moduli import plane_modulus
 from fretfe.results.model import Result
 
-# Parts of each element next to an edge: the pressure has a root.
-PARTS = 12
+# Relative error of the stress of tractions within an element of the edge, as of `_finest`.
+WITHIN_ELEMENT = 0.02
 # Elements above which the stress of elements is not used, power of the polynomial.
 SHALLOW = 2.0
 POWER = 3
@@ -43,31 +43,6 @@ FEWEST_ROWS = 2
 FREE = (0, 2, 0, 1, 1, 0)
 # xx, yy, xy of a plane body.
 PLANE = [0, 1, 3]
-
-
-@dataclass(frozen=True)
-class NearField:
-    """A half-plane under the tractions of a contact, through n states.
-
-    Attributes:
-        nodes: (K,) x of places between which the tractions are straight.
-        pressure, shear: (n, K) there, on this body, shear positive along x.
-        across: stress along z over xx + yy.
-        along: (n, K) shear along z; None of plane bodies.
-    """
-
-    nodes: Array
-    pressure: Array
-    shear: Array
-    across: float
-    along: Array | None = None
-
-    def at(self, points: Array) -> Array:
-        """(n, M, c) stress at points (M, 2)."""
-        x, depth = points[:, 0], np.maximum(-points[:, 1], 0.0)
-        plane = linear_stress(x, depth, self.nodes, self.pressure, self.shear, self.along)
-        across = self.across * (plane[..., :1] + plane[..., 1:2])
-        return np.concatenate([plane[..., :2], across, plane[..., 2:]], axis=-1)
 
 
 @dataclass(frozen=True)
@@ -173,6 +148,10 @@ class EdgeField:
             zones are resolved, else an element.
         near: the stress by the tractions.
         smooth: what is missing to that of the body.
+        size: of an element at the edge [length].
+        start: x along the surface where rays start: the mouth, unless another one is set.
+        pulled: x of the place that the edge takes when the surface is pulled most there; 0 unless
+            that is more than at the mouth.
     """
 
     contact: str
@@ -182,11 +161,20 @@ class EdgeField:
     finest: float
     near: NearField
     smooth: SmoothStress
+    size: float = 0.0
+    start: float = 0.0
+    pulled: float = 0.0
+
+    @property
+    def starts(self) -> tuple[EdgeField, ...]:
+        """With rays from the mouth, and from the place that is pulled most if it is another."""
+        return tuple(replace(self, start=each) for each in dict.fromkeys((0.0, self.pulled)))
 
     def reach(self, angle: float) -> float:
         """Length of a ray at an angle from the inward normal, inside of what is known."""
         aside = math.sin(angle)
-        lateral = self.smooth.widest[aside > 0] / abs(aside) if aside else math.inf
+        inside = self.smooth.widest[aside > 0] + (-self.start if aside > 0 else self.start)
+        lateral = max(inside, 0.0) / abs(aside) if aside else math.inf
         return min(self.smooth.deepest / math.cos(angle), lateral)
 
     def stress(self, points: Array) -> Array:
@@ -194,13 +182,14 @@ class EdgeField:
         return self.near.at(points) + self.smooth.at(points)
 
     def along(self, angle: float, distances: Array) -> Array:
-        """(n, D, c) stress on a ray from the mouth.
+        """(n, D, c) stress on a ray from its start.
 
         Args:
             angle: from the inward normal, positive under the contact.
-            distances: (D,) from the mouth, up to `reach`.
+            distances: (D,) from there, up to `reach`.
         """
-        return self.stress(np.outer(distances, [math.sin(angle), -math.cos(angle)]))
+        ray = np.outer(distances, [math.sin(angle), -math.cos(angle)])
+        return self.stress(ray + np.array([self.start, 0.0]))
 
 
 def edge_field(
@@ -217,7 +206,7 @@ def edge_field(
     """
     if reason := _obstacle(result, contact, station):
         return reason
-    pair = _pair(result, contact)
+    pair, judged = _pair(result, contact), states is None
     history = result.stress_history(contact.pair) if result.has_stress else None
     if history is not None:
         states = history.states
@@ -228,17 +217,19 @@ def edge_field(
         return "its place is not known in all states of the cycle"
     if history is None and not result.solution.keeps(int(states[0]), int(states[-1])):
         return "the tractions of some states of the cycle are not kept"
-    side = _Side(number, station.inward, float(np.min(station.inward * place)))
-    near = _near_field(result, contact, states, side, history)
+    side = Side(number, station.inward, float(np.min(station.inward * place)))
+    tractions = _tractions(result, contact, states, side, history)
+    near = tractions.near(np.zeros(1))
     if history is None:
         smooth: SmoothStress | str = _bulk(result, contact, states, number)
     else:
-        smooth = _rest(history, near, side, _size(history.arc, side.place))
+        smooth = _rest(history, near, side, element_size(history.arc, side.place))
     if isinstance(smooth, str):
         return smooth
-    body = (pair.body1, pair.body2)[number]
-    finest = _finest(station, _size(pair.surface.arc, side.place))
-    return EdgeField(contact.name, station.front, body, states, finest, near, smooth)
+    body, size = (pair.body1, pair.body2)[number], element_size(pair.surface.arc, side.place)
+    finest = _finest(station, size)
+    field = EdgeField(contact.name, station.front, body, states, finest, near, smooth, size)
+    return _pulled(tractions, field, side.x(place)) if judged else field
 
 
 def _finest(station: Station, size: float) -> float:
@@ -250,6 +241,13 @@ def _finest(station: Station, size: float) -> float:
     """
     slip = station.range_over_k_n / (station.friction or math.nan)
     return 0.0 if slip >= 2.5 * size else size
+
+
+def error_of_tractions(station: Station) -> float:
+    """Relative error of stresses at an edge by the bars of ΔK_T and K_N; NaN where unknown."""
+    k_n, spread = station.decisive_k_n
+    of_range = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
+    return math.hypot(of_range, spread / k_n)
 
 
 def _obstacle(result: Result, contact: Contact, station: Station) -> str:
@@ -273,33 +271,10 @@ def _pair(result: Result, contact: Contact) -> ContactHistory:
     return next(each for each in result.solution.contacts if each.pair == contact.pair)
 
 
-@dataclass(frozen=True)
-class _Side:
-    """A body at an edge: its number, the direction inward along the arc, and x = 0 in that."""
-
-    body: int
-    inward: int
-    mouth: float
-
-    @property
-    def place(self) -> float:
-        """The mouth along the arc."""
-        return self.inward * self.mouth
-
-    def x(self, arc: Array) -> Array:
-        """Distances from the mouth inward of places along the arc."""
-        return self.inward * arc - self.mouth
-
-
-def _size(arc: Array, place: float) -> float:
-    """Length of the element at a place."""
-    at = int(np.clip(np.searchsorted(arc, place), 1, len(arc) - 1))
-    return float(arc[at] - arc[at - 1])
-
-
-def _near_field(
-    result: Result, contact: Contact, states: Indices, side: _Side, history: StressHistory | None
-) -> NearField:
+def _tractions(
+    result: Result, contact: Contact, states: Indices, side: Side, history: StressHistory | None
+) -> ContactTractions:
+    """Those of a result, in the states of its stress if there is one."""
     pair = _pair(result, contact)
     body = isotropic(result.case.bodies[(pair.body1, pair.body2)[side.body]])
     assert body is not None
@@ -307,66 +282,37 @@ def _near_field(
     ends = np.array([each.position[states] for patch in own for each in patch.stations])
     if history is None:
         patches = [each for each in result.solution.contacts if each.pair == contact.pair]
-        traction = np.sum([each.mean_traction[states] for each in patches], axis=0)
+        values = np.sum([each.mean_traction[states] for each in patches], axis=0)
     else:
-        traction = history.traction
-    arc = pair.surface.arc
-    nodes = _divided(arc, ends, side.place)
-    pressure, shear = _on_nodes(nodes, arc, traction, ends)
-    # The shear is that on body 2, along the arc.
-    way = side.inward * (1 if side.body else -1)
-    x, forward = side.x(nodes), slice(None, None, side.inward)
+        values = history.traction
     across = body.poisson if result.case.model.plane == "strain" else 0.0
-    return NearField(x[forward], pressure[:, forward], way * shear[:, forward], across)
+    return ContactTractions(side, pair.surface.arc, values, ends, across)
 
 
-def _divided(arc: Array, ends: Array, mouth: float) -> Array:
-    """Nodes of a contact, and places between those next to an edge in some state.
-
-    Args:
-        arc: (N,) nodes.
-        ends: (e, n) places of edges; NaN where there is none.
-        mouth: place at which the stress of the surface itself is looked at.
-    """
-    lengths = np.diff(arc)
-    places = np.sort(ends[np.isfinite(ends)])
-    around = 4 * lengths
-    first = np.searchsorted(places, arc[:-1] - around)
-    inside = first < np.searchsorted(places, arc[1:] + around)
-    more = arc[:-1][inside, None] + lengths[inside, None] * np.arange(1, PARTS) / PARTS
-    beside = _size(arc, mouth) / PARTS * np.geomspace(1e-3, 1, PARTS)
-    return np.unique(np.concatenate([arc, more.ravel(), mouth - beside, [mouth], mouth + beside]))
+def _pulled(tractions: ContactTractions, field: EdgeField, edges: Array) -> EdgeField:
+    """A field that knows where the edge is, of its places x (n,), when it is pulled most."""
+    places = np.stack([edges, np.zeros_like(edges)], axis=1)
+    near = [
+        tractions.at(state).near(place[:1]).at(place[None])[0, 0, 0]
+        for state, place in enumerate(places)
+    ]
+    found = pulled_most(field, edges, near + field.smooth.at(places)[..., 0].diagonal())
+    looked = np.array([0.0, found.pulled])
+    return replace(found, near=tractions.near(looked)) if found.pulled else field
 
 
-def _on_nodes(nodes: Array, arc: Array, traction: Array, ends: Array) -> tuple[Array, Array]:
-    """(n, K) pressure and shear at places from means around nodes.
-
-    The square of the pressure is straight between nodes, and from them to the edges, where the
-    pressure itself has a root. The shear over the pressure is straight too: it is f where it slips,
-    of means next to the edge as well.
+def pulled_most(field: EdgeField, edges: Array, tension: Array) -> EdgeField:
+    """A field that knows the place that the edge takes when the surface is pulled most there.
 
     Args:
-        nodes: (K,) places.
-        arc: (N,) nodes of the contact.
-        traction: (n, N, 2) p and q.
-        ends: (e, n) places of the edges of all patches, left and right in turn.
+        field: in n states.
+        edges: (n,) x of the edge.
+        tension: (n,) stress along the surface at the edge.
     """
-    found, beside = np.zeros((2, len(traction), len(nodes))), np.gradient(arc)
-    for state, (p, q) in enumerate(traction.swapaxes(1, 2)):
-        edges = ends[:, state].reshape(-1, 2)
-        edges = edges[np.isfinite(edges).all(axis=1)]
-        # The mean around a node less than an element from an edge has a part of the root.
-        inside = (arc > edges[:, :1] + beside) & (arc < edges[:, 1:] - beside)
-        inside = inside.any(axis=0) & (p > 0)
-        places = np.concatenate([arc[inside], edges.ravel()])
-        squares = np.concatenate([p[inside] ** 2, np.zeros(edges.size)])
-        order = np.argsort(places, kind="stable")
-        square = np.interp(nodes, places[order], squares[order], left=0.0, right=0.0)
-        found[0, state] = np.sqrt(square)
-        pressed = p > 0
-        ratio = np.interp(nodes, arc[pressed], q[pressed] / p[pressed])
-        found[1, state] = found[0, state] * ratio
-    return found[0], found[1]
+    mouth = field.along(0.0, np.zeros(1))[:, 0, 0].max()
+    at = int(np.argmax(tension))
+    more = tension[at] > (1 + WITHIN_ELEMENT) * max(mouth, 0.0)
+    return replace(field, pulled=float(edges[at]) if more else 0.0)
 
 
 def _bulk(result: Result, contact: Contact, states: Indices, number: int) -> SmoothStress:
@@ -389,7 +335,7 @@ def _bulk(result: Result, contact: Contact, states: Indices, number: int) -> Smo
     return SmoothStress(np.zeros((1, 2), dtype=np.int64), 1.0, values, 0.0, width, (width, width))
 
 
-def _rest(history: StressHistory, near: NearField, side: _Side, size: float) -> SmoothStress | str:
+def _rest(history: StressHistory, near: NearField, side: Side, size: float) -> SmoothStress | str:
     """The stress of elements less that of the tractions, or why it is not known."""
     rows = deep_rows(history.depths, size)
     if isinstance(rows, str):

@@ -17,7 +17,8 @@ from collections.abc import Collection, Iterator
 import numpy as np
 
 from fretfe.case import isotropic
-from fretfe.decision.field import EdgeField, NearField, SmoothStress, deep_rows
+from fretfe.decision.field import EdgeField, SmoothStress, deep_rows, pulled_most
+from fretfe.decision.near_field import NearField
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
@@ -181,4 +182,7 @@ def _field(
     if isinstance(smooth, str):
         return smooth
     edge = f"{station.front}.{station.number}"
-    return EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth)
+    found = EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth, station.size)
+    edges = station.position[stress.states] - stress.mouths[row]
+    surface = found.stress(np.stack([edges, np.zeros_like(edges)], axis=1))
+    return pulled_most(found, edges, surface[..., 0].diagonal())

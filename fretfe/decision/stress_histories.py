@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Histories of the whole stress tensor below edges and stations, for other fatigue programs.
 
-At places on rays from the edge, as cracks start there, through the evaluated cycle. S11 is along
+At places on rays from the edge, as cracks start there, through the evaluated cycle: from its
+outermost place and, where it moves, from that at which the surface is pulled most. S11 is along
 the surface, inward; S22 along the outward normal; S33 along z, of solids along the front; shears
 are those of the tensor.
 """
@@ -16,10 +17,11 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.case import isotropic
+from fretfe.case import Body, isotropic
 from fretfe.decision.distances import elastic_strain
-from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.field import WITHIN_ELEMENT, EdgeField, edge_field, error_of_tractions
 from fretfe.decision.station_field import BothFields, station_fields
+from fretfe.decision.worst_places import error_weights
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.critical_planes import fatemi_socie, find_critical, smith_watson_topper
@@ -36,14 +38,18 @@ HISTORY_COLUMNS = (
     replace(EDGE, meaning="left or right; of solids the front and the number of the station"),
     Column("body", "", "name of the body"),
     Column("angle", "angle", "of the ray from the inward normal, positive under the contact"),
-    Column("distance", "length", "along the ray, from the outermost place of the edge"),
+    Column("start", "length", "of the ray, inward from the outermost place of the edge"),
+    Column("distance", "length", "along the ray"),
     *STATE,
     *(Column(name, "stress", "component of the stress there") for name in TENSOR_NAMES),
 )
+SWT, SHEAR = STRESS[-2:]
 PARAMETER_COLUMNS = (
-    *HISTORY_COLUMNS[:5],
-    Column("stress_spread", "stress", "error of the stress beside that of the tractions"),
-    *STRESS[-2:],
+    *HISTORY_COLUMNS[:6],
+    Column("stress_spread", "stress", "error bar of the stress"),
+    SWT,
+    Column("swt_spread", "stress", "error bar of swt"),
+    SHEAR,
 )
 
 
@@ -54,23 +60,25 @@ class EdgeHistory:
     Attributes:
         contact, edge, body: their names.
         angles, distances: (M,) of the places, in degrees and units of length.
+        starts: (M,) of their rays, inward from the outermost place of the edge.
         states: (n,) their numbers.
         times: (n,).
         stress: (n, M, 6) `TENSOR_NAMES`.
         reason: why there is none; empty if all places are known.
-        spread: error of the stress beside that of the tractions.
+        spreads: (M,) error bars of the stress there.
     """
 
     contact: str
     edge: str
     body: str
     angles: Array
+    starts: Array
     distances: Array
     states: Indices
     times: Array
     stress: Array
     reason: str
-    spread: float = math.nan
+    spreads: Array
 
 
 def edge_histories(
@@ -84,22 +92,43 @@ def edge_histories(
         angles: of the rays, from -80 to 80 degrees.
 
     Raises:
-        CaseError: if a number is outside of these.
+        CaseError: if a number is outside of these, or no stress is known as far away.
     """
     if not all(math.isfinite(each) and each >= 0 for each in distances):
         raise CaseError("--depth: expected finite numbers, not negative, found others")
     if not all(-80 <= each <= 80 for each in angles):
-        raise CaseError("--angle: expected numbers from -80 to 80, found others")
-    turns, steps = (each.ravel() for each in np.meshgrid(angles, distances, indexing="ij"))
-    found = []
+        raise CaseError("--angle: expected degrees from -80 to 80, found others")
+    both = tuple(dict.fromkeys(angles)), tuple(dict.fromkeys(distances))
+    turns, steps = (each.ravel() for each in np.meshgrid(*both, indexing="ij"))
+    fields = list(_fields(result))
+    reaches = [
+        field.reach(float(each))
+        for _, _, field in fields
+        if isinstance(field, EdgeField)
+        for each in np.radians(both[0])
+    ]
+    if reaches and max(reaches) < max(distances, default=0.0):
+        raise CaseError(
+            f"--depth: expected at most {max(reaches):.4g} {result.case.units.length}, to which "
+            f"the stress is known, found {max(distances):g}"
+        )
+    return tuple(
+        _unknown(name, field)
+        if isinstance(field, str)
+        else _history(result, name, (station, field), turns, steps)
+        for name, station, field in fields
+    )
+
+
+def _fields(result: Result) -> Iterator[tuple[tuple[str, str, str], Station, EdgeField | str]]:
+    """Stress at all edges and stations in both bodies: names, station, and what is known."""
     for contact in result.contacts:
         pair = next(each for each in result.solution.contacts if each.pair == contact.pair)
         own = station_fields(result, contact) if result.solid else _edges(result, contact)
         for station, fields in own:
             edge = f"{station.front}.{station.number}" if result.solid else station.front
             for body, field in zip((pair.body1, pair.body2), fields, strict=True):
-                found.append(_history(result, (contact.name, edge, body), field, turns, steps))
-    return tuple(found)
+                yield (contact.name, edge, body), station, field
 
 
 def _edges(result: Result, contact: Contact) -> Iterator[tuple[Station, BothFields]]:
@@ -109,34 +138,57 @@ def _edges(result: Result, contact: Contact) -> Iterator[tuple[Station, BothFiel
         )  # fmt: skip
 
 
+def _unknown(name: tuple[str, str, str], reason: str) -> EdgeHistory:
+    none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return EdgeHistory(*name, none, none, none, states, none, np.zeros((0, 0, 6)), reason, none)
+
+
 def _history(
-    result: Result, name: tuple[str, str, str], field: EdgeField | str, turns: Array, steps: Array
+    result: Result,
+    name: tuple[str, str, str],
+    at: tuple[Station, EdgeField],
+    turns: Array,
+    steps: Array,
 ) -> EdgeHistory:
-    """Stress at angles and distances (M,), as far as it is known."""
-    if isinstance(field, str):
-        none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
-        return EdgeHistory(*name, none, none, states, none, np.zeros((0, 0, 6)), field)
-    reach = np.array([field.reach(float(each)) for each in np.radians(turns)])
-    inside = (steps >= field.finest) & (steps <= reach)
-    rays = np.radians(turns[inside])
-    points = np.stack([np.sin(rays), -np.cos(rays)], axis=1) * steps[inside, None]
+    """Stress at angles and distances (M,) from all starts, as far as it is known."""
+    station, field = at
+    parts, reasons = [], []
+    for own in field.starts:
+        reach = np.array([own.reach(float(each)) for each in np.radians(turns)])
+        near, far = steps < own.finest, steps > reach
+        reasons += [(near, f"places within an element of the edge, {own.finest:.3g}, are unknown")]
+        reasons += [(far, f"stress is known to {reach.min():.3g} only: places beyond are left out")]
+        inside = ~near & ~far
+        parts.append((turns[inside], np.full(inside.sum(), own.start), steps[inside]))
+    angles, starts, distances = map(np.concatenate, zip(*parts, strict=True))
+    rays = np.radians(angles)
+    points = np.stack([np.sin(rays), -np.cos(rays)], axis=1) * distances[:, None]
+    points[:, 0] += starts
     stress = np.zeros((len(field.states), len(points), 6))
     values = field.stress(points)[..., [0, 1, 2, 3, -1, -2][: 6 if result.solid else 4]]
     stress[..., : values.shape[-1]] = values
     times = np.asarray(result.loads.times)[field.states]
-    known = f"from {field.finest:.3g} " if field.finest else ""
-    beyond = f"stress is known {known}to {reach.min():.3g} only: places beyond are left out"
-    reason = "" if inside.all() else beyond
-    places = turns[inside], steps[inside]
-    return EdgeHistory(*name, *places, field.states, times, stress, reason, field.smooth.spread)
+    return EdgeHistory(
+        *name, angles, starts, distances, field.states, times, stress,
+        "; ".join(dict.fromkeys(text for places, text in reasons if places.any())),
+        _spreads(field, station, distances, stress),
+    )  # fmt: skip
+
+
+def _spreads(field: EdgeField, station: Station, distances: Array, stress: Array) -> Array:
+    """(M,) error bars: of the factors of the edge, of elements next to it, of what bodies add."""
+    within = np.where(distances < field.size, WITHIN_ELEMENT, 0.0)
+    relative = np.hypot(error_of_tractions(station), within)
+    largest = np.abs(stress).max(axis=(0, 2), initial=0.0)
+    return np.hypot(relative * largest, field.smooth.spread)
 
 
 def history_table(result: Result, histories: Sequence[EdgeHistory]) -> ExportTable:
     """A row for each place and state."""
     rows = (
-        (each.contact, each.edge, each.body, angle, distance, state, time, *stress)
+        (each.contact, each.edge, each.body, *at, state, time, *stress)
         for each in histories
-        for place, (angle, distance) in enumerate(zip(each.angles, each.distances, strict=True))
+        for place, at in enumerate(zip(each.angles, each.starts, each.distances, strict=True))
         for state, time, stress in zip(each.states, each.times, each.stress[:, place], strict=True)
     )
     return ExportTable(
@@ -167,13 +219,26 @@ def parameter_table(
             continue
         stress = each.stress[..., [0, 1, 2, 3, 5, 4]]
         strain = elastic_strain(stress, body)
-        found = [find_critical(stress, strain, parameter).value for parameter in parameters]
-        places = zip(each.angles, each.distances, np.transpose(found), strict=True)
+        values = [find_critical(stress, strain, parameter).value for parameter in parameters]
+        values.insert(1, _swt_spreads(stress, strain, each.spreads, body))
         name = each.contact, each.edge, each.body
-        rows += [(*name, *place, each.spread, *values) for *place, values in places]
+        places = zip(each.angles, each.starts, each.distances, each.spreads, *values, strict=True)
+        rows += [(*name, *place) for place in places]
     columns = (*PARAMETER_COLUMNS, *([FATEMI_SOCIE] if numbers else []))
     named = headings(columns, result.case.units, solid=False)
     return ExportTable("edge_parameters.csv", named, iter(rows))
+
+
+def _swt_spreads(stress: Array, strain: Array, spreads: Array, body: Body) -> Array:
+    """(M,) error bars of σ_max ε_a by those of the stress; where nothing pulls, what they allow."""
+    found = find_critical(stress, strain, smith_watson_topper)
+    product = body.young * found.value
+    # Of √(σ_max E ε_a) it is the bar of the stress times a weight.
+    half = error_weights(stress, found.normal, product) * spreads * np.sqrt(product)
+    pulled = stress.copy()
+    pulled[..., :3] += spreads[:, None]
+    most = find_critical(pulled, strain, smith_watson_topper).value
+    return np.where(found.value > 0, 2 * half / body.young, most)
 
 
 def write_histories(result: Result, histories: Sequence[EdgeHistory], folder: Path) -> Path:
@@ -194,6 +259,6 @@ def write_histories(result: Result, histories: Sequence[EdgeHistory], folder: Pa
             group = file.create_group(f"edge_{number}")
             for name in ("contact", "edge", "body", "reason"):
                 group.attrs[name] = getattr(each, name)
-            for name in ("angles", "distances", "states", "times", "stress"):
+            for name in ("angles", "starts", "distances", "states", "times", "stress"):
                 store(group, name, getattr(each, name))
     return path

@@ -227,6 +227,7 @@ def details(found: Assessment) -> Iterator[str]:
             [] if survival is None else [survival_text(survival)],
             _cracks(edge, found.units.length),
             _short_elements(found, edge),
+            _within_element(found, edge),
             _damage(edge, found.units.length),
             _outermost(edge, found.units.length),
             _plane(edge, found.units.length),
@@ -337,6 +338,16 @@ def _short_elements(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
             f"cracks are judged from the length of an element on, {rounded(shortest)} {unit}; it "
             f"is unknown whether those of a0/10 = {rounded(first_length(arrest.a0))} {unit} grow: "
             "slip zones have too few elements"
+        )
+
+
+def _within_element(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
+    """That criteria look at stress within an element, where that is of tractions alone."""
+    if found.length / 2 < edge.element:
+        unit = found.units.length
+        yield (
+            f"the stress at L/2 = {rounded(found.length / 2, 2)} {unit} is looked at within an "
+            f"element, {rounded(edge.element, 2)} {unit}: by tractions between nodes"
         )
 
 

@@ -102,12 +102,12 @@ def _by_tension(stresses: Each, limits: Limits) -> Each:
     young, limit = limits.body.young, limits.limit
     endured = limit.stress_range**2 / (1 - limit.ratio) / (2 * young)
     both = np.array([
-        np.sqrt(found.value / endured), _weights(every, found.normal, young * found.value)
+        np.sqrt(found.value / endured), error_weights(every, found.normal, young * found.value)
     ])  # fmt: skip
     return dict(zip(OF_TENSION, np.split(both, len(OF_TENSION), axis=1), strict=True))
 
 
-def _weights(stress: Array, normals: Array, product: Array) -> Array:
+def error_weights(stress: Array, normals: Array, product: Array) -> Array:
     """(m,) error of √(σ_max E ε_a) by one of the stress: more than 1 unless both are equal.
 
     A small tension is as uncertain as the large range, and its relative error counts.

@@ -22,7 +22,7 @@ from fretfe.fields.sizes import require_sizes
 from fretfe.files import require_file
 from fretfe.loads.csv_file import Table, read_table
 from fretfe.mesh.mesh import place_text
-from fretfe.plugins import PlugIn, plug_in, plug_ins
+from fretfe.plugins import PlugIn, plug_in, plug_ins, what
 from fretfe.results.field_files import CELL_TYPES, FIELDS, FieldReader
 
 # Entry points of other readers: functions as in `READERS`, by the endings of files without dots.
@@ -161,7 +161,7 @@ def _by_other(path: Path, quantity: Quantity, arrays: Names) -> Field:
     assert reader is not None, "field_file has found it"
     found = reader.call(path, quantity, arrays)
     if not isinstance(found, Field):
-        raise CaseError(f"{path}: expected a Field of {reader.title}, found {found!r}")
+        raise CaseError(f"{path}: expected a Field of {reader.title}, found {what(found)}")
     return replace(found, values=lambda step: reader.guard(found.values, step))
 
 

@@ -23,7 +23,8 @@ from fretfe.cli.app import app
 from fretfe.decision import assess as module
 from fretfe.decision.assess import assess
 from fretfe.decision.assessment import Assessment, Criterion, OtherCriterion
-from fretfe.decision.field import EdgeField, NearField, edge_field
+from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.near_field import NearField
 from fretfe.decision.record import assessment_numbers
 from fretfe.decision.texts import known_criteria
 from fretfe.errors import CaseError

@@ -21,7 +21,7 @@ from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import isotropic, parse_case
 from fretfe.decision.assess import assess
 from fretfe.decision.damage import SmoothLife, counted_damage
-from fretfe.decision.field import NearField
+from fretfe.decision.near_field import NearField
 from fretfe.decision.texts import details
 from fretfe.results.model import Result
 

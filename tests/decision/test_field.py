@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from cases.pad_cases import SLIDING, pad, press, pull, shear
+from cases.pad_cases import SLIDING, TOP, pad, press, pull, shear
 from cases.stored_runs import solved, write_run
 
 from fretfe._typing import Array
@@ -18,6 +18,7 @@ from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
 from fretfe.decision import field as module
+from fretfe.decision import near_field
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.evaluate.stress import BodyStress, StressHistory
 from fretfe.results.model import Result
@@ -77,6 +78,44 @@ def test_tension_at_the_trailing_edge(edge: int, body: int) -> None:
     found = field.along(0.0, np.array([0.0]))[at_time(result, field, 2.25), 0]
     assert found[0] == pytest.approx(known, rel=0.01)
     assert found[[1, 3]] == pytest.approx([0, 0], abs=1e-6 * P0)
+
+
+@cache
+def drawn_in() -> Result:
+    """P falls to a half, ±Q acts, P rises again: one cycle."""
+    press = {**TOP, "direction": "y", "history": [
+        {"ramp": -600.0, "until": 1.0, "steps": 2}, {"ramp": -300.0, "until": 2.0, "steps": 4},
+        {"hold": True, "until": 3.0}, {"ramp": -600.0, "until": 4.0, "steps": 2},
+    ]}  # fmt: skip
+    shear = {**TOP, "direction": "x", "history": [
+        {"hold": True, "until": 2.0}, {"ramp": 60.0, "until": 2.25, "steps": 4},
+        {"ramp": -60.0, "until": 2.75, "steps": 8}, {"ramp": 0.0, "until": 3.0, "steps": 4},
+        {"hold": True, "until": 4.0},
+    ]}  # fmt: skip
+    tables = pad(loads={"press": press, "shear": shear}, cycle={"start": 1.0, "end": 4.0})
+    return replace(HALFPLANE.solve(parse_case(tables), RunOptions()), backend="halfplane")
+
+
+def test_the_place_of_a_moving_edge_that_is_pulled_most() -> None:
+    """Where the edge is at largest Q, 2 f p0 √(Q/(f P)) by the P of then, as after it alone.
+
+    Outside of it, at the outermost place, the stress is that beside a smaller contact.
+    """
+    narrow, peak = A / np.sqrt(2), P0 / np.sqrt(2)
+    core = narrow * np.sqrt(1 - 60 / (0.4 * 300))
+    known = 2 * 0.4 * peak * np.sqrt(60 / (0.4 * 300))
+    whole, inner = (
+        elliptical_stress(np.array([-A]), np.zeros(1), each, p, 0.4 * peak * each / narrow)[0, 0]
+        for each, p in ((narrow, peak), (core, 0.0))
+    )
+    for edge, body in EDGES:
+        field = field_of(drawn_in(), edge, body)
+        assert field.pulled == pytest.approx(A - narrow, rel=0.02)
+        outermost, other = (each.along(0.0, np.zeros(1))[:, 0, 0].max() for each in field.starts)
+        assert other == pytest.approx(known, rel=0.01)
+        assert outermost == pytest.approx(whole - inner, rel=0.01)
+        assert outermost < 0.6 * other
+    assert len(field_of(solved("halfplane"), 0, 1).starts) == 1
 
 
 @cache
@@ -202,10 +241,10 @@ def test_few_elements_in_a_slip_zone_lose_the_stress_next_to_the_edge(
     p, core = (P0 * np.sqrt(np.maximum(1 - (arc / each) ** 2, 0)) for each in (A, C))
     traction = np.stack([p, 0.4 * (p - C / A * core)], axis=1)[None]
     ends = np.array([[-A], [A]])
-    nodes = module._divided(arc, ends, -A)
-    pressure, shear = module._on_nodes(nodes, arc, traction, ends)
+    nodes = near_field.divided(arc, ends, np.array([-A]))
+    pressure, shear = near_field.on_nodes(nodes, arc, traction, ends)
     points = np.array([[0.0, 0.0], [0.0, -0.1 * size]])
-    found = module.NearField(nodes + A, pressure, shear, 0.3).at(points)[0, :, 0]
+    found = near_field.NearField(nodes + A, pressure, shear, 0.3).at(points)[0, :, 0]
     known = exact(field_of(result, 0, 1), points)[:, 0]
     missed = np.abs(found / known - 1).max()
     assert error / 4 < missed < error
@@ -218,11 +257,11 @@ def test_rear_edge_of_a_contact_that_slides(size: float) -> None:
     """2 f p0 where q is f p throughout, to 2 % with a tenth of the half-width; by exact nodes."""
     arc = np.arange(-A - 5.3 * size * A, A + 5 * size * A, size * A)
     p = P0 * np.sqrt(np.maximum(1 - (arc / A) ** 2, 0))
-    nodes = module._divided(arc, np.array([[-A], [A]]), -A)
+    nodes = near_field.divided(arc, np.array([[-A], [A]]), np.array([-A]))
     traction = np.stack([p, 0.4 * p], axis=1)[None]
-    pressure, shear = module._on_nodes(nodes, arc, traction, np.array([[-A], [A]]))
+    pressure, shear = near_field.on_nodes(nodes, arc, traction, np.array([[-A], [A]]))
     points = np.array([[0.0, 0.0], [0.0, -0.1 * A], [0.1 * A, -0.1 * A]])
-    found = module.NearField(nodes + A, pressure, shear, 0.3).at(points)[0]
+    found = near_field.NearField(nodes + A, pressure, shear, 0.3).at(points)[0]
     known = elliptical_stress(points[:, 0] - A, -points[:, 1], A, P0, 0.4 * P0)
     assert found[0, 0] == pytest.approx(2 * 0.4 * P0, rel=0.02)
     assert np.abs(found[:, [0, 1, 3]] - known).max() < 0.02 * P0

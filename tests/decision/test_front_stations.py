@@ -16,7 +16,8 @@ from fretfe.decision import end_parts as ends
 from fretfe.decision import front_stations as module
 from fretfe.decision.assess import assess
 from fretfe.decision.assessment import Assessment, Criterion
-from fretfe.decision.field import EdgeField, NearField, SmoothStress
+from fretfe.decision.field import EdgeField, SmoothStress
+from fretfe.decision.near_field import NearField
 from fretfe.decision.texts import details
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.quality.ends import Compared, EndAnswer, Meeting

@@ -18,7 +18,8 @@ from fretfe.analytic.partial_slip import (
     shear_moderate_tension,
 )
 from fretfe.analytic.profiles import Hertz
-from fretfe.decision.field import EdgeField, NearField, SmoothStress, edge_field
+from fretfe.decision.field import EdgeField, SmoothStress, edge_field
+from fretfe.decision.near_field import NearField
 from fretfe.decision.short_cracks import (
     CRACK_ANGLES,
     CrackDrive,

@@ -20,11 +20,10 @@ from fretfe.case.loads import (
     TemperatureLoad,
     TractionLoad,
 )
-from fretfe.case.messages import found
 from fretfe.errors import CaseError, DependencyError
 from fretfe.loads import History, build_history
 from fretfe.loads.csv_file import read_table, require_units
-from fretfe.plugins import LOAD_FUNCTIONS, PlugIn, plug_in, plug_ins
+from fretfe.plugins import LOAD_FUNCTIONS, PlugIn, plug_in, plug_ins, what
 
 # What reads files is imported where it is needed: most cases have none, and SciPy and HDF5 take a
 # while.
@@ -75,8 +74,8 @@ def factors_by(case: Case, name: str, function: str, places: Array) -> Array:
     values = plugged.call(places.copy())
     if not (isinstance(values, np.ndarray) and values.shape == (len(places),)
             and values.dtype.kind in "fiu" and np.isfinite(values).all()):  # fmt: skip
-        expected = f"expected an array of {len(places)} finite numbers"
-        raise DependencyError(f"{plugged.title}: {expected}, found {found(values)}")
+        expected = f"expected an array of the shape ({len(places)},) of finite numbers"
+        raise DependencyError(f"{plugged.title}: {expected}, found {what(values)}")
     return values.astype(float)
 
 

@@ -23,7 +23,7 @@ from fretfe.evaluate.limits import ModelLimit
 from fretfe.faults import Fault, guarded
 from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
-from fretfe.plugins import SECTIONS, plug_ins
+from fretfe.plugins import SECTIONS, plug_ins, what
 from fretfe.quality.ends import read_answers
 from fretfe.quality.rows import Row, own_rows
 from fretfe.report.figures import edges, history, solver, tractions
@@ -127,7 +127,7 @@ def _by_others(run: Result) -> Iterator[Section]:
         except FretfeError as error:
             yield Section(anchor, each.name, str(error), ())
             continue
-        wrong = f"{each.title}: expected a Section, found {made!r}"
+        wrong = f"{each.title}: expected a Section, found {what(made)}"
         good = isinstance(made, Section)
         yield replace(made, anchor=anchor) if good else Section(anchor, each.name, wrong, ())
 
