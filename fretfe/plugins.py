@@ -88,7 +88,7 @@ class PlugIn:
 
 
 def what(value: object) -> str:
-    """What a plug-in returns in place of what it should: of an array its shape and kind."""
+    """A value in place of what a plug-in should return: of an array its shape and kind."""
     if not hasattr(value, "shape"):
         return reprlib.repr(value)
     import numpy as np

@@ -460,7 +460,8 @@ class Output(Table):
         description="Depths below the contact surfaces, in length units, at which the stress of "
         "both bodies is written through the evaluated cycle, for parameters on critical planes: an "
         "increasing list of at most 10 numbers >= 0, where 0 is the surface. Empty: none. Of "
-        "solids around the stations of the fronts. The backend fem only.",
+        "solids any of them asks for the stress around the stations of the fronts, at depths that "
+        "fretfe chooses. The backend fem only.",
     )
     tractions: Literal["all", "cycle", "extremes"] | None = Field(
         default=None,

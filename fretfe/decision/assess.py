@@ -386,10 +386,10 @@ def _by_distances(
         reason = (
             f"the stress is needed down to {2 * length:.3g} and known to {field.reach(0.0):.3g}"
         )
-    elif length / 2 < field.finest:
+    elif length < field.finest:
         reason = (
-            f"the stress is needed at {length / 2:.3g}, within an element of the edge, "
-            f"{field.finest:.3g}, and slip zones have too few elements"
+            f"L is {length:.3g}, less than an element at the edge, {field.finest:.3g}, and slip "
+            "zones have too few elements"
         )
     if reason or data.limit is None:
         yield from (Judgement(each, reason=reason) for each in list(Criterion)[2:])

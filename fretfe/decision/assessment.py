@@ -112,6 +112,11 @@ class EdgeAssessment:
     straight: float = math.inf
 
     @property
+    def solid(self) -> bool:
+        """True of a front of solids."""
+        return any(each.station >= 0 for each in self.judgements)
+
+    @property
     def governing(self) -> Judgement | None:
         """The one with the smallest margin; None if none is known."""
         known = [each for each in self.judgements if not each.reason]

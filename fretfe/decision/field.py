@@ -25,17 +25,17 @@ from scipy.special import comb
 
 from fretfe._typing import Array, Indices
 from fretfe.case import isotropic
-from fretfe.decision.near_field import ContactTractions, NearField, Side, element_size
+from fretfe.decision.near_field import ContactTractions, NearField, Side, edge_places, element_size
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import StressHistory, judged_states
 from fretfe.history.solution import ContactHistory
 from fretfe.materials.moduli import plane_modulus
 from fretfe.results.model import Result
+from fretfe.results.station_stress import SHALLOW
 
 # Relative error of the stress of tractions within an element of the edge, as of `_finest`.
 WITHIN_ELEMENT = 0.02
-# Elements above which the stress of elements is not used, power of the polynomial.
-SHALLOW = 2.0
+# Power of the polynomial.
 POWER = 3
 FEWEST_ROWS = 2
 # Least power of the depth of xx, yy, zz, xy, yz, xz: the surface is free of what the tractions do
@@ -212,7 +212,7 @@ def edge_field(
         states = history.states
     elif states is None:
         states = judged_states(result.solution, result.contacts)
-    place = station.position[states]
+    place = edge_places(station, states)
     if not np.isfinite(place).all():
         return "its place is not known in all states of the cycle"
     if history is None and not result.solution.keeps(int(states[0]), int(states[-1])):
@@ -279,7 +279,7 @@ def _tractions(
     body = isotropic(result.case.bodies[(pair.body1, pair.body2)[side.body]])
     assert body is not None
     own = [each for each in result.contacts if each.pair == contact.pair]
-    ends = np.array([each.position[states] for patch in own for each in patch.stations])
+    ends = np.array([edge_places(each, states) for patch in own for each in patch.stations])
     if history is None:
         patches = [each for each in result.solution.contacts if each.pair == contact.pair]
         values = np.sum([each.mean_traction[states] for each in patches], axis=0)
@@ -337,7 +337,7 @@ def _bulk(result: Result, contact: Contact, states: Indices, number: int) -> Smo
 
 def _rest(history: StressHistory, near: NearField, side: Side, size: float) -> SmoothStress | str:
     """The stress of elements less that of the tractions, or why it is not known."""
-    rows = deep_rows(history.depths, size)
+    rows = _deep_rows(history.depths, size)
     if isinstance(rows, str):
         return rows
     body, x = history.bodies[side.body], side.x(history.arc)
@@ -348,7 +348,7 @@ def _rest(history: StressHistory, near: NearField, side: Side, size: float) -> S
     return SmoothStress.of(places[used], stress[:, used] - near.at(places[used]), len(rows), POWER)
 
 
-def deep_rows(depths: Array, size: float) -> Indices | str:
+def _deep_rows(depths: Array, size: float) -> Indices | str:
     """Numbers of the depths (D,) at which the stress of elements is used, or why that will not do.
 
     Args:

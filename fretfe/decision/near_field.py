@@ -7,8 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Indices
 from fretfe.analytic.partial_slip import linear_stress
+from fretfe.evaluate.contacts import Station
 
 # Parts of each element next to an edge: the pressure has a root.
 PARTS = 12
@@ -55,6 +56,18 @@ class Side:
     def x(self, arc: Array) -> Array:
         """Distances from the mouth inward of places along the arc."""
         return self.inward * arc - self.mouth
+
+
+def edge_places(station: Station, states: Indices) -> Array:
+    """(n,) positions in states, one and the same if they differ by no more than their bar.
+
+    It is the outermost one. At a place that the edge has left behind by s the tension has fallen by
+    2 f K_N √s, which counts even of what errors of the position make.
+    """
+    found = np.asarray(station.position[states], dtype=np.float64)
+    if np.ptp(found) <= np.max(station.position_spread[states]):
+        found = np.full_like(found, station.inward * np.min(station.inward * found))
+    return found
 
 
 def element_size(arc: Array, place: float) -> float:
@@ -114,10 +127,14 @@ def divided(arc: Array, ends: Array, looked: Array) -> Array:
     first = np.searchsorted(places, arc[:-1] - around)
     inside = first < np.searchsorted(places, arc[1:] + around)
     more = arc[:-1][inside, None] + lengths[inside, None] * np.arange(1, PARTS) / PARTS
-    steps = np.geomspace(1e-3, 1, PARTS) / PARTS
+    return np.unique(np.concatenate([arc, more.ravel(), beside_edges(looked, arc, PARTS)]))
+
+
+def beside_edges(looked: Array, arc: Array, parts: int = 1) -> Array:
+    """Places next to some (k,) on both sides, nearer and nearer: within a part of an element."""
+    steps = np.geomspace(1e-3, 1, PARTS) / parts
     steps = np.concatenate([-steps, [0.0], steps])
-    beside = [each + element_size(arc, each) * steps for each in map(float, looked)]
-    return np.unique(np.concatenate([arc, more.ravel(), *beside]))
+    return np.ravel([each + element_size(arc, each) * steps for each in map(float, looked)])
 
 
 def on_nodes(nodes: Array, arc: Array, traction: Array, ends: Array) -> tuple[Array, Array]:

@@ -16,9 +16,10 @@ from collections.abc import Collection, Iterator
 
 import numpy as np
 
+from fretfe._typing import Array
 from fretfe.case import isotropic
-from fretfe.decision.field import EdgeField, SmoothStress, deep_rows, pulled_most
-from fretfe.decision.near_field import NearField
+from fretfe.decision.field import EdgeField, SmoothStress, pulled_most
+from fretfe.decision.near_field import NearField, beside_edges, edge_places
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
@@ -135,12 +136,15 @@ def _joined(
     places = nodes.by_rows(nodes.s) + ahead
     frame = np.stack([station.frame.inward, station.frame.along], axis=1)
     turned = pair.surface.frames[nodes.nodes, 1:] @ frame
-    half = np.concatenate([[0.0], plane.x[plane.x < middle], places[places < middle]])
+    edges = edge_places(station, stress.states) - stress.mouths[row]
+    half = np.concatenate([[0.0], plane.x, places, beside_edges(edges, plane.x)])
+    half = half[(half >= 0) & (half < middle)]
     x = np.unique(np.concatenate([half, 2 * middle - half]))
     nearer = np.minimum(x, 2 * middle - x)
     values = np.zeros((len(stress.states), len(x), 3))
-    for own, state, p, q in zip(values, stress.states, plane.pressure, plane.shear, strict=True):
-        local = np.stack([np.interp(nearer, plane.x, each, 0.0) for each in (p, *q.T)], axis=1)
+    through = zip(stress.states, edges, plane.pressure, plane.shear, strict=True)
+    for own, (state, edge, p, q) in zip(values, through, strict=True):
+        local = _with_root(nearer, plane.x, np.column_stack([p, q]), float(edge))
         mean = pair.mean_traction[int(state)][nodes.nodes]
         both = np.column_stack([mean[:, 0], np.einsum("nt,ntk->nk", mean[:, 1:], turned)])
         far = np.stack([np.interp(nearer, places, nodes.by_rows(each)) for each in both.T], axis=1)
@@ -154,6 +158,14 @@ def _joined(
             slope = float(inside[both] @ missed / (inside[both] @ inside[both]))
         own[:] = (1 - share) * (1 + slope * inside[:, None]) * local + share * far
     return PlaneTractions(x, values[..., 0], values[..., 1:])
+
+
+def _with_root(x: Array, nodes: Array, tractions: Array, edge: float) -> Array:
+    """(M, 3) tractions (K, 3) at places x: p² is straight from the edge on, and q over p."""
+    inside = (tractions[:, 0] > 0) & (nodes > edge)
+    at, (p, *shears) = nodes[inside], tractions[inside].T
+    pressure = np.sqrt(np.interp(x, np.r_[edge, at], np.r_[0.0, p**2], left=0.0))
+    return np.stack([pressure, *(pressure * np.interp(x, at, q / p) for q in shears)], axis=1)
 
 
 def _field(
@@ -171,18 +183,18 @@ def _field(
     way = 1.0 if number else -1.0
     inward, along = np.moveaxis(way * tractions.shear, 2, 0)
     near = NearField(tractions.x, tractions.pressure, inward, body.poisson, along)
-    rows = deep_rows(stress.depths, station.size)
-    if isinstance(rows, str):
-        return rows
-    places = np.stack(np.broadcast_arrays(stress.places, -stress.depths[rows, None]), axis=-1)
-    elements = stress.stress[number, row][:, rows]
+    depths = stress.depths[row]
+    places = np.stack(np.broadcast_arrays(stress.places[row], -depths[:, None]), axis=-1)
+    elements = stress.stress[number, row]
     used = np.isfinite(elements).all(axis=(0, 3))
     # Elements of solids scatter; next to the edge a third power does more so: on pads twice.
-    smooth = SmoothStress.of(places[used], elements[:, used] - near.at(places[used]), len(rows), 2)
+    smooth = SmoothStress.of(
+        places[used], elements[:, used] - near.at(places[used]), len(depths), 2
+    )
     if isinstance(smooth, str):
         return smooth
     edge = f"{station.front}.{station.number}"
     found = EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth, station.size)
-    edges = station.position[stress.states] - stress.mouths[row]
+    edges = edge_places(station, stress.states) - stress.mouths[row]
     surface = found.stress(np.stack([edges, np.zeros_like(edges)], axis=1))
     return pulled_most(found, edges, surface[..., 0].diagonal())

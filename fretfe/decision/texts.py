@@ -209,7 +209,7 @@ def _wanted(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
         coarse.append("cracks shorter than an element are left out")
     if coarse:
         yield f"refine at this edge: {', and '.join(coarse)}"
-    if edge.arrest is not None and math.isinf(edge.arrest.deepest.stop):
+    if edge.arrest is not None and math.isinf(edge.arrest.deepest.stop) and not edge.solid:
         yield "stress at larger depths: cracks may stop there"
     if edge.of(Criterion.TESTS).reason:
         yield "fretting tests at such K_N and ΔK_T"
@@ -274,7 +274,8 @@ def _cracks(edge: EdgeAssessment, unit: str) -> Iterator[str]:
     if arrest.largest > arrest.margin:
         crack = arrest.critical
         end, more = ("the contact surface ends", "extend the surface") if crack.cut else (
-            "the known stress ends", "stress at larger depths"
+            "the known stress ends", "none is known deeper" if edge.solid else
+            "stress at larger depths",
         )  # fmt: skip
         yield (
             f"the margin is that of a crack at {crack.angle:g}°, followed over "

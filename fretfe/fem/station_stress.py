@@ -21,8 +21,10 @@ from fretfe.fem.stress_output import below
 from fretfe.files import writing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.results.station_stress import (
+    ROWS,
     STATION_STRESSES,
     StationStress,
+    station_depths,
     write_station_stress,
 )
 
@@ -35,7 +37,7 @@ class _Site:
         contact: its name.
         bodies: names of body 1 and 2.
         stations: (S,) those whose place is known in all states.
-        mouths, places: as of `StationStress`.
+        depths, mouths, places: as of `StationStress`.
         points: (2, D, S, X, 3) in both bodies; NaN beside them.
         axes: (2, S, X, 3, 3) along the surface inward, the outward normal, along the front.
     """
@@ -43,20 +45,14 @@ class _Site:
     contact: str
     bodies: tuple[str, str]
     stations: tuple[Station, ...]
+    depths: Array
     mouths: Array
     places: Array
     points: Array
     axes: Array
 
     @classmethod
-    def of(
-        cls,
-        model: Model,
-        contact: Contact,
-        pair: ContactHistory,
-        states: Indices,
-        depths: Array,
-    ) -> _Site:
+    def of(cls, model: Model, contact: Contact, pair: ContactHistory, states: Indices) -> _Site:
         """That of a contact."""
         stations = tuple(
             each
@@ -66,27 +62,31 @@ class _Site:
         table = model.case.contacts[contact.pair]
         mouths = np.array([each.position[states].min() for each in stations])
         # As far to both sides as the stress is looked at in depth.
-        places = depths[-1] * np.linspace(-1, 1, 17)
+        depths = np.array([station_depths(each) for each in stations]).reshape(-1, ROWS)
+        deepest = depths[:, -1]
+        places = deepest[:, None] * np.linspace(-1, 1, 17)
         inward, along = (
             np.array([getattr(each.frame, name) for each in stations]).reshape(-1, 1, 3)
             for name in ("inward", "along")
         )
         points = np.array([each.point for each in stations]).reshape(-1, 1, 3)
-        points = points + (mouths[:, None] + places)[..., None] * inward
+        points = points + (mouths.reshape(-1, 1) + places)[..., None] * inward
         shape, found, axes = points.shape, [], []
         for name in (table.surface1, table.surface2):
             # The body goes on where its part that may touch ends, and cracks go there.
-            flat = points.reshape(-1, 3)
-            at, normals = below(model.surfaces[name], flat, depths, float(depths[-1]))
+            flat, beside = points.reshape(-1, 3), np.repeat(deepest, shape[1])
+            at, normals = below(model.surfaces[name], flat, np.zeros(1), beside)
             normals = normals.reshape(shape)
             ahead = inward - np.sum(inward * normals, axis=2, keepdims=True) * normals
             ahead /= np.linalg.norm(ahead, axis=2, keepdims=True)
-            beside = np.cross(normals, ahead)
-            beside *= np.sign(np.sum(beside * along, axis=2, keepdims=True))
-            found.append(at.reshape(len(depths), *shape))
-            axes.append(np.stack([ahead, normals, beside], axis=2))
-        bodies = pair.body1, pair.body2
-        return cls(contact.pair, bodies, stations, mouths, places, np.array(found), np.array(axes))
+            third = np.cross(normals, ahead)
+            third *= np.sign(np.sum(third * along, axis=2, keepdims=True))
+            found.append(at.reshape(shape) - depths.T[..., None, None] * normals)
+            axes.append(np.stack([ahead, normals, third], axis=2))
+        return cls(
+            contact.pair, (pair.body1, pair.body2), stations, depths, mouths, places,
+            np.array(found), np.array(axes),
+        )  # fmt: skip
 
     def turned(self, modes: Array, number: int, shares: Array) -> Array:
         """(S, n, D, X, 6) stress of a body in all states, in the axes of the stations.
@@ -130,10 +130,9 @@ def write_stations(
     Raises:
         OutputError: if the file cannot be written.
     """
-    depths = np.array(model.case.output.stress_depths)
     states = judged_states(solution, contacts)
     sites = [
-        _Site.of(model, each, pair, states, depths)
+        _Site.of(model, each, pair, states)
         for each in contacts
         for pair in solution.contacts
         if pair.pair == each.pair
@@ -155,7 +154,7 @@ def write_stations(
     found = [
         StationStress(
             contact=site.contact,
-            depths=depths,
+            depths=site.depths,
             states=states,
             fronts=tuple(each.front for each in site.stations),
             numbers=np.array([each.number for each in site.stations], dtype=np.int64),
@@ -173,6 +172,6 @@ def write_stations(
 def _stress(site: _Site, parts: Sequence[Mapping[tuple[str, int], Array]], shares: Array) -> Array:
     """As of `StationStress`; empty without stations."""
     if not site.stations:
-        return np.zeros((2, 0, shares.shape[1], *site.points.shape[1:2], len(site.places), 6))
+        return np.zeros((2, 0, shares.shape[1], *site.points.shape[1:2], site.places.shape[1], 6))
     modes = [np.array([part[site.contact, number] for part in parts]) for number in (0, 1)]
     return np.array([site.turned(each, number, shares) for number, each in enumerate(modes)])

@@ -325,10 +325,12 @@ def _initial_strains(model: Model, body: str, strain: SurfaceStrain) -> Array:
     return found
 
 
-def below(surface: Surface, points: Array, depths: Array, beside: float) -> tuple[Array, Array]:
+def below(
+    surface: Surface, points: Array, depths: Array, beside: float | Array
+) -> tuple[Array, Array]:
     """Places (D, N, d) at depths below a surface, and (N, d) outward normals; next to points.
 
-    NaN where the surface ends farther before a point than `beside`.
+    NaN where the surface ends farther before a point than `beside`, of all or of each (N,).
     """
     nearest, normals = surface.nearest(points)
     # Places are samples: the surface is their tangent plane.

@@ -18,11 +18,9 @@ from fretfe.decision.field import EdgeField
 from fretfe.decision.station_field import station_fields
 from fretfe.evaluate.contacts import Station
 from fretfe.results.model import Result
-from fretfe.results.station_stress import StationStress
+from fretfe.results.station_stress import StationStress, station_depths
 
 STICK = (1 - SHEAR) ** (1 / 3)
-DEPTHS = np.array([0.2, 0.3, 0.4, 0.6])
-PLACES = np.linspace(-0.6, 0.6, 9)
 
 
 def exact(station: Station, points: Array, way: float) -> Array:
@@ -57,14 +55,17 @@ def sphere(monkeypatch: pytest.MonkeyPatch) -> Result:
     first, last = result.loads.cycle
     shear = cycles(result)[first : last + 1]
     ends = np.sort([int(np.argmin(shear)), int(np.argmax(shear))])
-    points = np.stack(np.broadcast_arrays(PLACES, -DEPTHS[:, None]), axis=-1)
+    depths = np.array([station_depths(each) for each in stations])
+    places = depths[:, -1:] * np.linspace(-1, 1, 9)
+    points = np.stack(np.broadcast_arrays(places[:, None], -depths[..., None]), axis=-1)
     stress = np.array([
-        [exact(each, points.reshape(-1, 2), shear[end]) for end in ends] for each in stations
-    ]).reshape(len(stations), 2, len(DEPTHS), len(PLACES), 6)  # fmt: skip
+        [exact(each, own.reshape(-1, 2), shear[end]) for end in ends]
+        for each, own in zip(stations, points, strict=True)
+    ]).reshape(len(stations), 2, *points.shape[1:3], 6)  # fmt: skip
     known = StationStress(
-        "main", DEPTHS, first + ends, tuple(each.front for each in stations),
+        "main", depths, first + ends, tuple(each.front for each in stations),
         np.array([each.number for each in stations]),
-        np.array([each.position[-1] for each in stations]), PLACES, np.array([stress, stress]),
+        np.array([each.position[-1] for each in stations]), places, np.array([stress, stress]),
     )  # fmt: skip
     monkeypatch.setattr(Result, "has_station_stress", True)
     monkeypatch.setattr(Result, "station_stress", lambda *_: known)
@@ -88,3 +89,18 @@ def test_stress_is_that_of_half_spaces(sphere: Result) -> None:
             assert PEAK * np.abs(wrong).max() < field.smooth.spread < 0.06 * PEAK
             assert np.abs(wrong[above][:, [1, 3]]).max() < 0.025
             assert np.sqrt(np.mean(wrong**2)) < 0.01
+
+
+def test_tension_at_the_front(sphere: Result) -> None:
+    """p0 (1 - 2 ν)/3 and f p0 π (4 + ν)/8 cos θ of a sphere that slides, less that of the core.
+
+    The core is far enough for quadrature, and cos θ that of shear along x whose size depends on
+    the radius alone.
+    """
+    core = hertzian(np.array([[-1.0, 0.0, 0.0]]), STICK, 0.0, STICK, 0.0)[0, 0]
+    sheared = FRICTION * (math.pi / 2 - core)
+    shear, at_edge = cycles(sphere), np.zeros((1, 2))
+    for station, (_, field) in station_fields(sphere, sphere.contacts[0]):
+        assert isinstance(field, EdgeField)
+        known = 1 / 3 + shear[field.states] * sheared * station.frame.inward[0]
+        assert field.stress(at_edge)[:, 0, 0] / PEAK == pytest.approx(known, abs=0.02)
