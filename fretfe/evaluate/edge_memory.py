@@ -52,7 +52,7 @@ def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False)
     Args:
         k_t: (n,) at the states.
         retreat: (n,) f K_I below its largest value.
-        depth: (m,) f K_N y.
+        depth: (m,) f K_N y, increasing.
         in_steps: whether the edge covers places at the beginning of a step, as nodes close in the
             solved one, and not in the course of it.
     """
@@ -60,11 +60,14 @@ def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False)
     for state in range(1, len(k_t)):
         yield memory
         before, now = retreat[state - 1], retreat[state]
+        memory, edge = memory.copy(), int(np.searchsorted(radius, now))
         if now < before and not in_steps:
-            covered = k_t[state] + (radius - now) / (before - now) * (k_t[state - 1] - k_t[state])
-            memory = np.where((radius >= now) & (radius < before), covered, memory)
-        memory = np.clip(memory, k_t[state] + now - radius, k_t[state] - now + radius)
-        memory = np.where(radius < now, k_t[state], memory)
+            covered = slice(edge, int(np.searchsorted(radius, before)))
+            share = (radius[covered] - now) / (before - now)
+            memory[covered] = k_t[state] + share * (k_t[state - 1] - k_t[state])
+        np.maximum(memory, k_t[state] + now - radius, out=memory)
+        np.minimum(memory, k_t[state] - now + radius, out=memory)
+        memory[:edge] = k_t[state]
 
 
 def longest_zones(

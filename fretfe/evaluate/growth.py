@@ -13,7 +13,7 @@ grows twice as fast.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -41,6 +41,8 @@ FEWEST = 4.0
 CLEARLY = 3.0
 # Points, in standard deviations, and weights of a mean by three.
 MEAN = ((-math.sqrt(3), 1 / 6), (0.0, 2 / 3), (math.sqrt(3), 1 / 6))
+# Slip forward and backward.
+WAYS = (1, -1)
 # A shape within so much of (D - y)^(3/2) is that.
 EVEN = 0.05
 
@@ -184,12 +186,12 @@ def zone_growth(
         return None
     counted = outer[states] & (states > start)
     depth = (ends[1:] + ends[:-1]) / 2
-    ways = [(*_driven(each, retreat, ends, counted), each) for each in (k_t, -k_t)]
-    rates, reach, way = max(ways, key=lambda each: float(each[0].sum()))
+    driven = _driven(k_t, retreat, ends, counted, WAYS)
+    way, (rates, reach) = max(driven.items(), key=lambda each: float(each[1][0].sum()))
     if begin > first and reach.max() > 2 * retreat[0]:  # places that may have slipped before
         return None
     if rates.any() and (np.diff(retreat) < 0).any():  # the shape is that of the nodes
-        rates, _ = _driven(way, retreat, ends, counted, in_steps=True)
+        rates, _ = _driven(k_t, retreat, ends, counted, (way,), in_steps=True)[way]
     if not rates.sum() > UNDRIVEN * ends[-1]:
         rates, reach = 0.0 * rates, 0.0 * reach
     # A steady cycle comes back to its extreme but for round-off, which moves no border.
@@ -268,9 +270,14 @@ def _settled(
 
 
 def _driven(
-    k_t: Array, retreat: Array, depth: Array, counted: Bools, in_steps: bool = False
-) -> tuple[Array, Array]:
-    """(m,) increase of the drive forward in some steps while the zone ended between two depths.
+    k_t: Array,
+    retreat: Array,
+    depth: Array,
+    counted: Bools,
+    ways: Sequence[int],
+    in_steps: bool = False,
+) -> dict[int, tuple[Array, Array]]:
+    """(m,) increase of the drive in some steps while the zone ended between two depths, by way.
 
     And (n,) the depth that slip has come to in them at each state.
 
@@ -279,19 +286,28 @@ def _driven(
         retreat: (n,) f K_I below its largest value.
         depth: (m + 1,) f K_N y.
         counted: (n,) whether the step to each state counts.
+        ways: of the slip, 1 forward and -1 backward.
         in_steps: as of `remembered`.
     """
-    radius, rates, reach = depth / 2, np.zeros(len(depth) - 1), np.zeros(len(k_t))
+    radius = depth / 2
+    found = {way: (np.zeros(len(depth) - 1), np.zeros(len(k_t))) for way in ways}
     for state, memory in enumerate(remembered(k_t, retreat, depth, in_steps), start=1):
-        drive, moved = k_t[state] + retreat[state], retreat[state] - retreat[state - 1]
-        reach[state] = reach[state - 1]
-        if counted[state]:
-            edge = retreat[state] + float(np.interp(retreat[state], radius, memory))
-            # The drive from which on slip reaches each depth.
-            onset = np.maximum.accumulate(np.where(radius < retreat[state], edge, memory + radius))
-            before = max(k_t[state - 1] + retreat[state - 1], edge)
+        now, moved = retreat[state], retreat[state] - retreat[state - 1]
+        inside = int(np.searchsorted(radius, now))
+        for way, (rates, reach) in found.items():
+            reach[state] = reach[state - 1]
+            if not counted[state]:
+                continue
+            drive, before = way * k_t[state] + now, way * k_t[state - 1] + retreat[state - 1]
+            edge = now + way * float(np.interp(now, radius, memory))
+            before = max(before, edge)
             # An edge that draws back over places that stick slips no more than round-off.
-            if drive - before > max(ROUND_OFF * depth[-1], SLACK * moved):
-                rates += np.diff(np.clip(onset, before, drive))
-                reach[state] = max(reach[state], float(np.interp(drive, onset, depth)))
-    return rates, reach
+            if not drive - before > max(ROUND_OFF * depth[-1], SLACK * moved):
+                continue
+            # The drive from which on slip reaches each depth.
+            onset = way * memory + radius
+            onset[:inside] = edge
+            onset = np.maximum.accumulate(onset)
+            rates += np.diff(np.minimum(np.maximum(onset, before), drive))
+            reach[state] = max(reach[state], float(np.interp(drive, onset, depth)))
+    return found

@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, partial
+from functools import cache, cached_property, partial
 
 import numpy as np
 
@@ -320,6 +320,7 @@ class EdgeData(ABC):
         worst = worst_cycle(cycles, cycle, friction, along)
         outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
 
+        @cache
         def growth(start: int, end: int) -> Growth | None:
             if self.steps.dundurs:
                 # Between unlike bodies shear moves K_I and pressure K_T, which it leaves out.
