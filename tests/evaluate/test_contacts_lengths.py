@@ -61,8 +61,8 @@ def test_what_is_not_known_of_the_longest_is_not_told(station: Station) -> None:
     assert math.isnan(row["slip"]) and row["predicted"] == 0.21
 
 
-def test_without_a_cycle_the_last_two_count(station: Station) -> None:
-    assert record(replace(station, first=-1))["slip"] == 0.15
+def test_without_a_cycle_all_count(station: Station) -> None:
+    assert record(replace(station, first=-1))["slip"] == 0.5
 
 
 def test_nothing_is_predicted_where_k_turns(station: Station) -> None:
