@@ -113,9 +113,7 @@ def slip_in_steps(
 
 def cycle_states(cycle: tuple[int, int] | None) -> States:
     """States of the evaluated cycle, first and last included; empty without a cycle."""
-    if cycle is None:
-        return np.array([], dtype=np.int64)
-    return np.arange(cycle[0], cycle[1] + 1)
+    return np.arange(*(0, 0) if cycle is None else (cycle[0], cycle[1] + 1))
 
 
 def slip_zones(
@@ -173,7 +171,7 @@ def slip_zones(
         end = _longest(start, turn, lengths, station)
         border = find_border(_begun(start, end, lengths), end)
         cyclic, loop = _prediction(cycle, friction[end], end, station)
-        swept = _swept(cycle, friction[end], end, station, loop)
+        swept = _swept(cycle, end, station, loop)
         if end != turn or (len(lengths) and swept):
             loop = float(lengths[end - start])
         elif swept and border.length - border.spread > loop:  # slip that no edge drives
@@ -257,18 +255,17 @@ def _longest(start: int, end: int, lengths: Array, station: StationHistory) -> i
     return start + longest if lengths[-1] < LEFT_BEHIND * lengths[longest] else end
 
 
-def _swept(cycle: States, friction: float, end: int, station: StationHistory, loop: float) -> bool:
+def _swept(cycle: States, end: int, station: StationHistory, loop: float) -> bool:
     """True if the edge itself draws back in a cycle to where permanent stick begins.
 
-    Then (11) is the way of the edge, whatever slips on it. K_I falls by less than that of the whole
-    way, as K_N falls with it; where there is no contact left the edge has been everywhere.
+    Then (11) is the way of the edge, whatever slips on it. K_I falls by less, as K_N falls with it.
     """
     if not loop > 0:
         return False
-    fallen = station.k_i[end] - station.k_i[cycle].min()
+    fallen = 2 * (station.k_i[end] - station.k_i[cycle].min()) / station.k_n[end]
     inward = station.inward * (station.position[cycle] - station.position[end])
-    way = max(2 * fallen / station.k_n[end], float(np.max(inward)))  # NaN without contact
-    return not loop > (1 + SWEPT) * way
+    # NaN without contact: the edge has been everywhere.
+    return not loop > (1 + SWEPT) * float(np.maximum(fallen, np.max(inward)))
 
 
 @dataclass(frozen=True)
