@@ -79,7 +79,7 @@ def worst_places(field: EdgeField, station: Station, limits: Limits) -> dict[Cri
         places = np.concatenate([grid[key], finer[key]])
         used, weights = np.concatenate([found[key], again[key]], axis=1)
         at = int(np.argmax(used))
-        outermost = used[at] > 0 and places[at] in (first[0], first[-1])
+        outermost = bool(used[at] > 0) and places[at] in (first[0], first[-1])
         worst[key] = WorstPlace(float(used[at]), float(places[at]), float(weights[at]), outermost)
     return worst
 

@@ -211,13 +211,9 @@ class CountedCycles:
             repeats itself: the range then goes on in the next repetition.
         count: (n,) 1, or 0.5 for a range that nothing closes.
         k_t_range, k_t_mean: (n,) difference of K_T at the two reversals, positive, and its mean.
-        effective_range: (n,) larger K_T - f K_I less smaller K_T + f K_I, with K_I counted from the
-            outer of both places of the edge: what is counted, and the same as `k_t_range` at
-            constant P; 0 where the edge remembers nothing at one of them.
-        slip: (n,) predicted length of the slip zone from the edge as it is at `end`; NaN where K_N
-            is unknown there, (K_T, K_S) turns, or the effective range is 0.
-        closed: whether the history that was counted repeats itself: counts are 1 unless P takes
-            away in it what places remember.
+        slip: (n,) predicted length of the slip zone by that range; NaN where K_N is unknown at
+            `end`, P moves the edge in between, or (K_T, K_S) turns.
+        closed: whether the history that was counted repeats itself: all counts are 1.
         reason: why nothing was counted; empty if it was.
     """
 
@@ -226,9 +222,6 @@ class CountedCycles:
     count: Annotated[Array, Quantity("", "1, or 0.5 for a range that nothing closes")]
     k_t_range: Annotated[Array, Quantity("k_t", "difference of the two, positive")]
     k_t_mean: Annotated[Array, Quantity("k_t", "mean of the two")]
-    effective_range: Annotated[
-        Array, Quantity("k_t", "the same with K_T - f K_I and K_T + f K_I: what is counted")
-    ]
     slip: Annotated[Array, Quantity("length", "slip length by that range")]
     closed: bool
     reason: str
@@ -246,7 +239,7 @@ class CountedCycles:
     @property
     def irregular(self) -> bool:
         """True if the cycles differ, those aside in which the history begins and ends."""
-        inner = self.effective_range[~self._outermost]
+        inner = self.k_t_range[~self._outermost]
         return len(inner) > 1 and bool(np.ptp(inner) > SAME_RANGE * inner.max())
 
     @property
@@ -261,7 +254,7 @@ class CountedCycles:
 def no_cycles(reason: str) -> CountedCycles:
     """No counted cycles, and why."""
     none, states = np.zeros(0), np.zeros(0, dtype=np.int64)
-    return CountedCycles(states, states, none, none, none, none, none, False, reason)
+    return CountedCycles(states, states, none, none, none, none, False, reason)
 
 
 @dataclass(frozen=True)

@@ -2,10 +2,9 @@
 """Cycles: whether the evaluated one is steady, where slip turns round, those of irregular loads.
 
 An edge slips forward where K_T - f K_I exceeds what it was, and backward where K_T + f K_I falls
-below. Each place inward from the edge remembers the reversals of the two as a play does, so that
-the range from a forward to a backward reversal, over f K_N, is how far slip reaches in between.
-Counted are therefore the peaks of the one and the valleys of the other, as far as places remember
-them: see `counting`; at constant P both are K_T.
+below. Each place inward from the edge remembers the reversals of the two as a play does: at
+constant P the range of K_T from a forward to a backward reversal, over f K_N, is how far slip
+reaches in between. Where P moves the edge `edge_memory` tells that. Counted is K_T.
 """
 
 from __future__ import annotations
@@ -20,9 +19,9 @@ from numpy.typing import NDArray
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
-from fretfe.evaluate.contacts import CountedCycles, StationHistory, no_cycles
-from fretfe.evaluate.counting import Reversals, count_loops, takes_away
-from fretfe.evaluate.edge_memory import longest_zones, slip_drive
+from fretfe.analytic.paths import rainflow
+from fretfe.evaluate.contacts import SAME_RANGE, CountedCycles, StationHistory, no_cycles
+from fretfe.evaluate.edge_memory import longest_zones, slip_drive, takes_away
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -80,13 +79,30 @@ class Worst:
     Attributes:
         half_cycles: first and last state of each, in time order.
         predicted: slip length by its range.
-        outer: (T,) whether the step to each state belongs to the way from reversal to reversal,
-            and not to a smaller cycle in between; true outside of the half cycles.
+        steps: of each half cycle (T,) whether the step to each state belongs to the way from
+            reversal to reversal, and not to a smaller cycle in between; true outside of it.
     """
 
     half_cycles: tuple[tuple[int, int], ...]
     predicted: float
-    outer: Bools
+    steps: tuple[Bools, ...]
+
+    @property
+    def outer(self) -> Bools:
+        """(T,) whether the step to each state belongs to one of the ways, or lies outside."""
+        found, within = np.zeros((2, len(self.steps[0])), dtype=bool)
+        for (start, end), steps in zip(self.half_cycles, self.steps, strict=True):
+            half = slice(start + 1, end + 1)
+            found[half] |= steps[half]
+            within[half] = True
+        return np.asarray(found | ~within)
+
+    def apart(self) -> tuple[Worst, ...]:
+        """Each half cycle alone: one may lie within the other where P moves the edge."""
+        return tuple(
+            Worst((half,), self.predicted, (steps,))
+            for half, steps in zip(self.half_cycles, self.steps, strict=True)
+        )
 
 
 @dataclass(frozen=True)
@@ -153,43 +169,66 @@ def count_cycles(
         return no_cycles("nothing varies")
     if friction[states[1:]].min(initial=np.inf) == 0:
         return no_cycles("there is no friction in a part of the cycle")
-    slip = _slip(states, friction, station)
-    order, closed = _order(states, slip, returns) if len(cycle) else (states, False)
-    ends, directions = slip.phases(order)
+    order, closed = _order(states, station.k_t, returns) if len(cycle) else (states, False)
+    k_t = _without_drift(station.k_t, states)[order] if closed else station.k_t[order]
+    ends, _ = slip_phases(k_t, k_t, k_t)
     if not len(ends):
         return no_cycles("nothing varies")
-    largest = float(station.k_i[states].max())
-    fall = friction.max() * (largest - station.k_i[order])
-    upward = np.append(-directions[0], directions) > 0
-    left = _left(fall, friction.max(), station, order)
-    history = Reversals(station.k_t[order], fall, left, np.append(0, ends), upward)
-    loops = count_loops(history, closed, slip.fresh and not len(cycle))
-    start, end = order[loops.start], order[loops.end]
-    retreat = 2 * fall[loops.end]
+    turns = np.append(0, ends)
+    # The repetition itself leads from the last reversal, which is the first one, on.
+    counted = rainflow(k_t[turns[:-1]] if closed else k_t[turns], repeated=closed)
+    start, end = order[turns[counted.start]], order[turns[counted.end]]
+    reach = counted.range
+    if not len(cycle) and int(states[0]) == first:
+        reach = np.maximum(reach, _first_loading(k_t[turns])[counted.end])
+    f_k_i = friction.max() * station.k_i
+    if takes_away(f_k_i[states].max() - f_k_i[states], k_t):
+        moved = np.array([np.ptp(f_k_i[_way(*ends)]) for ends in zip(start, end, strict=True)])
+        reach = np.where(moved <= CLOSED * counted.range, reach, np.nan)
     return CountedCycles(
         start=start,
         end=end,
-        count=loops.count,
+        count=counted.count,
         k_t_range=np.abs(station.k_t[end] - station.k_t[start]),
         k_t_mean=(station.k_t[end] + station.k_t[start]) / 2,
-        effective_range=loops.range,
-        slip=np.maximum(loops.reach - retreat, 0.0) / (friction.max() * station.k_n[end]),
+        slip=reach / (friction.max() * station.k_n[end]),
         closed=closed,
         reason="",
     )
 
 
-def _left(fall: Array, friction: float, station: StationHistory, states: Indices) -> Array:
-    """(n,) f K_I by which places differ that an edge has left, from its outermost place on.
+def _way(start: int, end: int) -> slice:
+    """The states between two reversals."""
+    return slice(min(start, end), max(start, end) + 1)
 
-    K_I grows with the edge less than by the largest K_N: far from the edge places are left for
-    which f K_I has not fallen enough. Without contact nothing remembers anything.
+
+def _order(states: Indices, k_t: Array, returns: bool) -> tuple[Indices, bool]:
+    """States of a cycle as they are counted, and whether they repeat themselves.
+
+    A cycle that returns to where it began is counted from its largest K_T on, to itself.
     """
-    inward, k_n = station.inward * station.position[states], station.k_n[states]
-    if not np.isfinite(inward).any():
-        return fall
-    moved = friction * np.nanmax(k_n) * (inward - np.nanmin(inward)) / 2
-    return np.where(np.isfinite(inward), np.maximum(fall, moved), np.inf)
+    if not returns and abs(k_t[states[-1]] - k_t[states[0]]) > CLOSED * np.ptp(k_t[states]):
+        return states, False
+    period = states[1:]
+    largest = int(np.argmax(k_t[period]))
+    return np.append(np.roll(period, -largest), period[largest]), True
+
+
+def _without_drift(k_t: Array, states: Indices) -> Array:
+    """(T,) K_T that returns in a cycle: increments of an edge that moves add up to a drift."""
+    returned = k_t.copy()
+    returned[states] -= np.linspace(0.0, k_t[states[-1]] - k_t[states[0]], len(states))
+    return returned
+
+
+def _first_loading(values: Array) -> Array:
+    """(n,) twice the load at each reversal from the first on if it is the largest yet, else 0.
+
+    Beyond all that was before, slip reaches as far as if the load had grown from nothing.
+    """
+    loads = np.abs(values - values[0])
+    before = np.append(0.0, np.maximum.accumulate(loads)[:-1])
+    return np.asarray(np.where(loads > (1 + SAME_RANGE) * before, 2 * loads, 0.0))
 
 
 def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
@@ -205,29 +244,16 @@ def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
     return _Slip(forward, backward, drive, begin, fresh=begin == first)
 
 
-def _order(states: Indices, slip: _Slip, returns: bool) -> tuple[Indices, bool]:
-    """States of a cycle as they are counted, and whether they repeat themselves.
-
-    A cycle that returns to where it began is counted from its largest load on, to itself.
-    """
-    signals = np.array([slip.forward[states], slip.backward[states]])
-    drift = np.abs(signals[:, -1] - signals[:, 0])
-    if not returns and (drift > CLOSED * np.ptp(signals, axis=1).max()).any():
-        return states, False
-    period = states[1:]
-    largest = int(np.argmax(slip.forward[period]))
-    return np.append(np.roll(period, -largest), period[largest]), True
-
-
 def worst_path(
     cycles: CountedCycles, cycle: Indices, friction: Array, station: StationHistory
 ) -> Indices:
     """(n,) states on the way through the worst cycle, without those in smaller ones.
 
-    Empty if all cycles of the station are alike; arguments as for `worst_cycle`.
+    Empty if all cycles of the station are alike, or P moves its edge: what P does counts, too.
+    Arguments as for `worst_cycle`.
     """
     worst = worst_cycle(cycles, cycle, friction, station)
-    if worst is None:
+    if worst is None or not math.isfinite(worst.predicted):
         return np.zeros(0, dtype=np.int64)
     first, last = worst.half_cycles[0][0], worst.half_cycles[-1][1]
     steps = np.arange(first + 1, last + 1)
@@ -262,10 +288,10 @@ def worst_cycle(
         halves = _closed_halves(end, way, period, slip) if cycles.closed else ((start, end),)
         ways = tuple(zip(halves, (-way, way)[-len(halves) :], strict=True))
         predicted = float(cycles.slip[number])
-    outer = np.ones(len(station.k_t), dtype=bool)
-    for half, sense in ways:
-        outer[half[0] + 1 : half[1] + 1] = _outer_steps(slip, *half, sense)
-    return Worst(tuple(half for half, _ in ways), predicted, outer)
+    masks = np.ones((len(ways), len(station.k_t)), dtype=bool)
+    for mask, (half, sense) in zip(masks, ways, strict=True):
+        mask[half[0] + 1 : half[1] + 1] = _outer_steps(slip, *half, sense)
+    return Worst(tuple(half for half, _ in ways), predicted, tuple(masks))
 
 
 def _longest_ways(

@@ -13,7 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 
 # Depths at which the memory is followed, over the largest one.
 LEVELS = 800
@@ -22,6 +22,8 @@ SLACK = 0.02
 # Part of the range of K_T by which places have to slip: increments of an edge that moves leave so
 # much from cycle to cycle.
 LEAST_SLIP = 0.02
+# A retreat below this part of the range of K_T takes nothing away that counts.
+NO_FALL = 1e-3
 # Zones whose lengths differ by less than this part are equal, and the last one counts.
 SAME_LENGTH = 1e-3
 # Part of a zone at which its inner end begins.
@@ -70,6 +72,40 @@ def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False)
         memory[:edge] = k_t[state]
 
 
+def takes_away(retreat: Array, k_t: Array) -> bool:
+    """True if an edge leaves places that count.
+
+    Args:
+        retreat: (n,) f K_I below its largest value.
+        k_t: (m,) over the whole history.
+    """
+    return bool(retreat.max(initial=0.0) > NO_FALL * np.ptp(k_t))
+
+
+class _Phase:
+    """The slip of an edge one way, until it turns back by some drive.
+
+    Attributes:
+        way: 1 forward, -1 backward; 0 before there is any.
+        begin: (m,) what places remembered when it began, or when they were covered.
+    """
+
+    def __init__(self, memory: Array, drive: float, least: float) -> None:
+        self.way, self.begin, self._least = 0, memory, least
+        self._extreme, self._memory = drive, memory
+
+    def follow(self, memory: Array, drive: float, covered: Bools) -> None:
+        """Go on to the drive, and to what places remember, in the next state."""
+        change = drive - self._extreme
+        turns = abs(change) > self._least and self.way * change <= 0
+        if turns:
+            self.way, self.begin = int(np.sign(change)), self._memory
+        if turns or self.way * change > 0:
+            self._extreme, self._memory = drive, memory
+        self.begin = np.where(covered, self.begin, memory)
+        self._memory = np.where(covered, self._memory, memory)
+
+
 def longest_zones(
     k_t: Array, f_k_i: Array, k_n: Array, first: int
 ) -> tuple[tuple[int, int] | None, tuple[int, int] | None]:
@@ -84,24 +120,29 @@ def longest_zones(
         k_n: (n,) K_N at the states; NaN where not known.
         first: state after which zones are looked for.
     """
-    retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * np.ptp(k_t)
-    radius = depths(k_t, retreat) / 2
-    since = np.zeros((2, len(radius)), dtype=np.int64)
-    longest = [0.0, 0.0]
-    found: list[tuple[int, int] | None] = [None, None]
-    for state, memory in enumerate(remembered(k_t, retreat, 2 * radius), 1):
-        free = radius - retreat[state]
-        beyond = free + least
-        slips = (free >= 0) & np.array([memory < k_t[state] - beyond, memory > k_t[state] + beyond])
-        for way in np.flatnonzero(slips.any(axis=1)).tolist():
-            deepest = int(np.flatnonzero(slips[way])[-1])
-            length = free[deepest] / k_n[state]
-            if state > first and k_n[state] > 0 and length >= (1 - SAME_LENGTH) * longest[way]:
-                begin = int(since[way, int(INNER * deepest)])
-                longest[way], found[way] = max(length, longest[way]), (begin, state)
-        since[0, slips[1] | (free < 0)] = state
-        since[1, slips[0] | (free < 0)] = state
-    return found[0], found[1]
+    retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * float(np.ptp(k_t))
+    radius, drive = depths(k_t, retreat) / 2, slip_drive(k_t, f_k_i)
+    since, phase = np.zeros((3, len(radius)), dtype=np.int64), _Phase(0 * radius, drive[0], least)
+    longest: dict[int, float] = {1: 0.0, -1: 0.0}
+    found: dict[int, tuple[int, int]] = {}
+    # The last state once more: what is remembered is known before each step.
+    steps = remembered(np.append(k_t, k_t[-1]), np.append(retreat, retreat[-1]), 2 * radius)
+    before = 0 * radius + k_t[0]
+    for state, memory in enumerate(steps):
+        covered = radius >= retreat[state]
+        phase.follow(memory, drive[state], covered)
+        way = phase.way
+        slips = covered & (way * (memory - phase.begin) > least) & (way * (memory - before) > 0)
+        before = memory
+        if slips.any() and state > first and k_n[state] > 0:
+            deepest = int(np.flatnonzero(slips)[-1])
+            length = float(radius[deepest] - retreat[state]) / float(k_n[state])
+            if length >= (1 - SAME_LENGTH) * longest[way]:
+                longest[way] = max(length, longest[way])
+                found[way] = int(since[way, int(INNER * deepest)]), state
+        since[-way, slips] = state
+        since[:, ~covered] = state
+    return found.get(1), found.get(-1)
 
 
 def slip_drive(k_t: Array, f_k_i: Array) -> Array:

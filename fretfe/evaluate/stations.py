@@ -24,7 +24,7 @@ from fretfe.evaluate.contacts import (
     unknown_station,
     without_formulas,
 )
-from fretfe.evaluate.cycles import count_cycles, worst_cycle
+from fretfe.evaluate.cycles import Worst, count_cycles, worst_cycle
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import (
     FactorHistories,
@@ -316,8 +316,20 @@ class EdgeData(ABC):
         self, number: int, along: StationHistory, cycles: CountedCycles, direction: Array
     ) -> tuple[SlipZone, ...]:
         """Slip zones, predicted with K along the direction in which it varies most."""
-        friction, cycle = self.frictions[number], self.cycle
-        worst = worst_cycle(cycles, cycle, friction, along)
+        friction = self.frictions[number]
+        worst = worst_cycle(cycles, self.cycle, friction, along)
+        zones = [
+            self.with_shear(number, zone, direction)
+            for part in (worst.apart() if worst else (None,))
+            for zone in self._zones_of(number, along, part)
+        ]
+        return tuple(sorted(zones, key=lambda each: each.end))
+
+    def _zones_of(
+        self, number: int, along: StationHistory, worst: Worst | None
+    ) -> tuple[SlipZone, ...]:
+        """Those of a half cycle of the worst cycle, or of all half cycles."""
+        friction = self.frictions[number]
         outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
 
         @cache
@@ -331,8 +343,8 @@ class EdgeData(ABC):
             found = growth(start, end)
             return found.lengths if found else np.zeros(0)
 
-        zones = slip_zones(
-            cycle,
+        return slip_zones(
+            self.cycle,
             friction,
             along,
             self.border(number, along.position, outer, growth),
@@ -342,7 +354,6 @@ class EdgeData(ABC):
             self.pressed[number],
             self.steps.dundurs != 0,
         )
-        return tuple(self.with_shear(number, zone, direction) for zone in zones)
 
     def with_shear(self, number: int, zone: SlipZone, direction: Array) -> SlipZone:
         """A slip zone with the share of f p that acts across (K_T, K_S) and along it.

@@ -356,7 +356,7 @@ CYCLES = (
         lambda _, s: s.k_along[s.cycles.start],
     ),
     Column("k_t_end", "k_t", "K_T at the second reversal", lambda _, s: s.k_along[s.cycles.end]),
-    *map(_of_cycles, ("k_t_range", "k_t_mean", "effective_range", "slip")),
+    *map(_of_cycles, ("k_t_range", "k_t_mean", "slip")),
     Column(
         "worst",
         "",

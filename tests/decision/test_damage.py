@@ -79,7 +79,7 @@ def test_a_uniaxial_history_by_hand() -> None:
         cycles=replace(
             station.cycles, start=np.array([12, 11]), end=np.array([13, 14]),
             count=np.array([1.0, 0.5]), k_t_range=numbers, k_t_mean=numbers,
-            effective_range=numbers, slip=numbers,
+            slip=numbers,
         ),
     )  # fmt: skip
     body = isotropic(solved("halfplane").case.bodies["lower"])

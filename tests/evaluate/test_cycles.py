@@ -56,7 +56,7 @@ def test_a_repeated_mission_against_plays(seed: int) -> None:
     (_, middle), (begin, last) = worst.half_cycles
     assert middle == begin
     assert {last % 60, begin % 60} == {cycles.start[number] % 60, cycles.end[number] % 60}
-    depth = cycles.effective_range[number] / FRICTION
+    depth = cycles.k_t_range[number] / FRICTION
     for start, end in worst.half_cycles:
         assert slip_depths(k_t, start, end, places) == pytest.approx(depth, abs=1e-3)
     assert slip_depths(k_t, 120, 180, places) == pytest.approx(depth, abs=1e-3)

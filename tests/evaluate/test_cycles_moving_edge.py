@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Cycles at an edge that P moves, against plays that forget as soon as the edge has left them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.cycles import count_cycles, worst_cycle
+
+FRICTION = 0.5
+NO_CYCLE = np.array([], dtype=np.int64)
+
+
+def station(k_t: np.ndarray, fall: np.ndarray) -> StationHistory:
+    """An edge with K_N = 1 that draws back by what f K_I falls."""
+    zero, one = np.zeros(len(k_t)), np.ones(len(k_t))
+    k_i, position = -fall / FRICTION, 2 * fall / FRICTION
+    return StationHistory("left", 0, position, zero, one, zero, k_t, zero, k_i)
+
+
+def counted(k_t: list[float], fall: list[float]) -> set[tuple[float, float, float]]:
+    """K_T at both reversals, the smaller one first, and count."""
+    at_edge = station(np.array(k_t), np.array(fall))
+    found = count_cycles(NO_CYCLE, np.full(len(k_t), FRICTION), at_edge)
+    assert not found.reason
+    ends = np.sort([at_edge.k_t[found.start], at_edge.k_t[found.end]], axis=0)
+    return {tuple(map(float, row)) for row in zip(*ends, found.count, strict=True)}
+
+
+def test_k_t_is_counted_whatever_p_does() -> None:
+    """From start to shutdown, and with P at a half while Q returns."""
+    k_t = [0.0, 0, 20, -20, 10, 3, -10, 0, 0]
+    halves = {(0, 20, 0.5), (-20, 20, 0.5), (-20, 10, 0.5), (-10, 10, 0.5), (-10, 0, 0.5)}
+    for fall in ([0.0] * 9, [90.0, 0, 0, 0, 0, 0, 0, 0, 90], [90.0, 0, 0, 50, 0, 50, 50, 0, 90]):
+        assert counted(k_t, fall) == halves
+
+
+def lengths_by_plays(k_t: np.ndarray, fall: np.ndarray) -> np.ndarray:
+    """(2, n) length of the slip zone forward and backward in each step."""
+    radius, found = np.linspace(0, 3, 6001), np.zeros((2, len(k_t)))
+    memory = np.full(len(radius), k_t[0])
+    for state in range(1, len(k_t)):
+        before, now = fall[state - 1], fall[state]
+        share = np.clip((before - radius) / (before - now if before > now else 1.0), 0.0, 1.0)
+        covered = k_t[state - 1] + share * (k_t[state] - k_t[state - 1])
+        memory = np.where((radius >= now) & (radius < before), covered, memory)
+        free = radius - now
+        for number, way in enumerate((1, -1)):
+            slips = (free >= 0) & (way * (k_t[state] - memory) > free + 1e-9)
+            found[number, state] = 2 * free[slips].max(initial=0.0) / FRICTION
+        stuck = np.clip(memory, k_t[state] - free, k_t[state] + free)
+        memory = np.where(free < 0, k_t[state], stuck)
+    return found
+
+
+def divided(values: np.ndarray, parts: int) -> np.ndarray:
+    """The same on straight ways with more states."""
+    numbers = np.arange(len(values))
+    return np.interp(np.linspace(0, numbers[-1], numbers[-1] * parts + 1), numbers, values)
+
+
+@pytest.mark.parametrize("parts", [1, 8, 60])
+@pytest.mark.parametrize("seed", range(6))
+def test_zones_of_the_worst_cycle_are_the_longest_of_plays(seed: int, parts: int) -> None:
+    """Whatever the steps: with small ones each place slips little in each of them."""
+    random = np.random.default_rng(seed)
+    k_t = np.append(0.0, random.uniform(-1, 1, 20))
+    fall = np.repeat(random.uniform(0, 1.5, 7), 3)[:21]
+    fall[0] = fall[-1] = 1.5
+    k_t, fall = divided(k_t, parts), divided(fall, parts)
+    at_edge, friction = station(k_t, fall), np.full(len(k_t), FRICTION)
+    cycles = count_cycles(NO_CYCLE, friction, at_edge)
+    worst = worst_cycle(cycles, NO_CYCLE, friction, at_edge)
+    assert worst is not None
+    lengths = lengths_by_plays(k_t, fall)
+    reached = [max(lengths[:, end]) for _, end in worst.half_cycles]
+    assert sorted(reached) == pytest.approx(sorted(lengths.max(axis=1)), rel=0.1)
+    assert all(start < end for start, end in worst.half_cycles)
