@@ -280,6 +280,8 @@ def worst_cycle(
     f_k_i = friction.max() * station.k_i
     if takes_away(f_k_i[states].max() - f_k_i[states], station.k_t[states]):
         ways, predicted = _longest_ways(slip, f_k_i, station, cycle), math.nan
+        if not ways:
+            return None
     else:
         # A range from backward to forward reversal is the larger one that way round.
         upward = slip.forward[end] - slip.backward[start]
@@ -301,7 +303,10 @@ def _longest_ways(
     begin, last = slip.begin, int(cycle[-1]) if len(cycle) else len(station.k_t) - 1
     known = slice(begin, last + 1)
     first = int(cycle[0]) - begin if len(cycle) else 0
-    found = longest_zones(station.k_t[known], f_k_i[known], station.k_n[known], first)
+    k_n = station.k_n[known]
+    # Where it is not known its largest value ranks them well enough.
+    k_n = np.where(k_n > 0, k_n, np.nanmax(k_n, initial=0.0) or 1.0)
+    found = longest_zones(station.k_t[known], f_k_i[known], k_n, first)
     ways = [
         ((half[0] + begin, half[1] + begin), way)
         for half, way in zip(found, (1, -1), strict=True)

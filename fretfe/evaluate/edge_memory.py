@@ -117,7 +117,7 @@ def longest_zones(
     Args:
         k_t: (n,) at the states.
         f_k_i: (n,) f K_I at the states.
-        k_n: (n,) K_N at the states; NaN where not known.
+        k_n: (n,) K_N at the states.
         first: state after which zones are looked for.
     """
     retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * float(np.ptp(k_t))
@@ -134,7 +134,7 @@ def longest_zones(
         way = phase.way
         slips = covered & (way * (memory - phase.begin) > least) & (way * (memory - before) > 0)
         before = memory
-        if slips.any() and state > first and k_n[state] > 0:
+        if slips.any() and state > first:
             deepest = int(np.flatnonzero(slips)[-1])
             length = float(radius[deepest] - retreat[state]) / float(k_n[state])
             if length >= (1 - SAME_LENGTH) * longest[way]:

@@ -65,3 +65,21 @@ def test_a_mission_that_is_not_repeated() -> None:
         (zone,) = edge.slip_zones
         assert zone.length == pytest.approx(exact, abs=0.002)
         assert zone.prediction == pytest.approx(np.ptp(q) / (4 * LIMIT), rel=0.01)
+
+
+@pytest.mark.parametrize("steps", [6, 24])
+def test_the_longest_zone_does_not_depend_on_the_steps(steps: int) -> None:
+    """Q with an inner loop, then P at nine tenths and back; the second block counts.
+
+    Flat punches between both loads are covered anew, without shear; of the others, as Q returned,
+    those that are larger than at .75 of P carry -f: they take 2 f, the new ones f (Jaeger 1998).
+    """
+    p = np.array([1, 1, 1, 1, 1, 0.9, 1])
+    q = np.array([0, 0.4, 0.16, 0.4, 0, 0, 0])
+    ways = np.linspace(0, 6, 6 * steps + 1)
+    load, shear = (twice(np.interp(ways, range(7), each)) for each in (p, q))
+    summary = solved(problem(LOAD * load, LIMIT * shear, cycle=6 * steps))
+    exact = 1 - np.sqrt(0.9 - (0.4 - 0.1) / 2)
+    for edge in summary.stations:
+        longest = max(zone.length for zone in edge.evaluated_zones)
+        assert longest == pytest.approx(exact, abs=0.004)

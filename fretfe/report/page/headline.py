@@ -368,7 +368,6 @@ def _worst_cycle(run: Result) -> str:
     ends = sorted(float(times[each[worst]]) for each in (edge.cycles.start, edge.cycles.end))
     start, end = (number(each, 6) for each in ends)
     return (
-        " Loads are irregular: slip zones are those of the worst counted cycle of each edge, "
-        f"at {contact.name_of(edge)} that between t = {start} and {end} "
-        f"{run.case.units.time}."
+        " Loads are irregular: slip zones are the longest of each edge, the largest range of K_T "
+        f"is that at {contact.name_of(edge)} between t = {start} and {end} {run.case.units.time}."
     )
