@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import numpy.typing as npt
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import at_length, oscillation, sliding_exponent
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.load_path import STRAIGHT
@@ -68,6 +68,7 @@ class FactorHistories:
         one_sided: (stations,) what steps of the cycle may be wrong by in |K| of which one end only
             is known.
         uneven: (stations,) what they may be wrong by as edges move within them.
+        known: (T,) states whose own area tells the factors, of one of the stations at least.
     """
 
     ways: Array
@@ -75,6 +76,7 @@ class FactorHistories:
     exact: bool
     one_sided: Array
     uneven: Array
+    known: Bools
 
     def directions(self, cycle: Indices) -> list[tuple[Array, float]]:
         """Direction of (K_T, K_S) and how much it turns at each station, by `main_direction`."""

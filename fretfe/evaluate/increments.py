@@ -3,19 +3,22 @@
 
 They add up the increments over the steps, each with the mean of the contact areas before and after
 it; only steps with friction count. They are counted from the first state, or from the last one
-before the cycle at which an increment is unknown: what is not known is NaN, never zero.
+before the cycle, or without one before the largest load, at which an increment is unknown: what is
+not known is NaN, never zero. What a contact that carries little and is too small for its factors
+adds is that of the nearest known state: it costs neither what lies before it nor what lies behind.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.factors import FactorHistories
-from fretfe.evaluate.numerics import count_up
+from fretfe.evaluate.loaded import hardly_loaded, normal_force
+from fretfe.evaluate.numerics import count_up, most_loaded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 
 Cycle = tuple[int, int] | None
@@ -50,6 +53,8 @@ class ContactSteps:
         layer: (2,) lengths E*/k of a layer, across and along the surface; zero without one.
         friction: (T,) whether there is any in the step that ends at each state.
         touching: (T,) states in which there is contact.
+        force: (T,) P.
+        small: (T,) states of a contact that carries little and may be too small for its factors.
         intervals: first and last state of each run of states in which the contact exists, one at
             least. Histories begin anew with each.
         whole: the solved history with its own cycle.
@@ -60,6 +65,8 @@ class ContactSteps:
     layer: Array
     friction: Bools
     touching: Bools
+    force: Array
+    small: Bools
     intervals: tuple[tuple[int, int], ...]
     whole: Solution
 
@@ -72,6 +79,8 @@ class ContactSteps:
             np.zeros(2) if contact.surface.layer is None else contact.surface.layer,
             contact.friction.acts,
             contact.pressed_nodes > 0,
+            normal_force(contact),
+            hardly_loaded(contact),
             contact.intervals,
             whole,
         )
@@ -103,13 +112,15 @@ class ContactSteps:
         """(T, ...) histories that begin anew with each interval of contact; NaN between them.
 
         Args:
-            count: gives the histories of one interval; it gets no cycle that is not all in it.
+            count: gives the histories of one interval; in place of a cycle that is not all in it
+                it gets the state of the largest P.
         """
         cycle, found = self.solution.cycle, {}
         for first, last in self.intervals:
             inside = cycle is not None and first <= cycle[0] and cycle[1] <= last
-            own = (cycle[0] - first, cycle[1] - first) if cycle is not None and inside else None
-            found[first] = count(slice(first, last + 1), own)
+            heaviest = most_loaded(self.force, np.arange(first, last + 1))
+            begin, end = cycle if cycle is not None and inside else (heaviest, heaviest)
+            found[first] = count(slice(first, last + 1), (begin - first, end - first))
         shapes = [each.shape[1:] for each in found.values()]
         histories = np.full((len(self.solution.times), *shapes[0]), np.nan)
         for first, each in found.items():
@@ -124,12 +135,13 @@ class ContactSteps:
             alone: whether each station counts by itself where it is unknown; otherwise all of them
                 are unknown where one is.
         """
-        step, drivers, cycle = self.solution.step, self.solution.driver_values, self.swing
+        drivers, cycle = self.solution.driver_values, self.swing
         ways: list[Array] = []
+        known = np.zeros(len(drivers), dtype=bool)
         one_sided = uneven = np.empty(0)
         for each in units.main:
             groups = np.split(each, each.shape[1], axis=1) if alone else [each]
-            filled = [within_known(group, step) for group in groups]
+            filled = [self._filled(group) for group in groups]
             # What steps may be wrong by is the same in all ways, to a part of itself.
             if not ways:
                 pairs = zip(groups, filled, strict=True)
@@ -137,11 +149,29 @@ class ContactSteps:
                     [one_sided_share(*pair, drivers, cycle) for pair in pairs]
                 )
                 uneven = uneven_share(each, drivers, self.friction, cycle)
+                known = np.any([_known(group) for group in groups], axis=0)
             ways.append(np.concatenate([self._added(group) for group in filled]))
         fitted = None
         if units.fitted is not None:
-            fitted = self._added(within_known(units.fitted, step))
-        return FactorHistories(np.array(ways), fitted, units.exact, one_sided, uneven)
+            fitted = self._added(self._filled(units.fitted))
+        return FactorHistories(np.array(ways), fitted, units.exact, one_sided, uneven, known)
+
+    def without_small(self, known: Bools) -> ContactSteps:
+        """The same with the part of the cycle around its largest P as the cycle of the contact.
+
+        It ends before states that carry little and whose factors are not among those known (T,).
+        """
+        cycle = self.solution.cycle
+        lost = np.flatnonzero(self.small & ~known)
+        if cycle is None or not len(lost):
+            return self
+        heaviest = most_loaded(self.force, np.arange(cycle[0], cycle[1] + 1))
+        begin = max(cycle[0], int(lost[lost < heaviest].max(initial=-1)) + 1)
+        end = min(cycle[1], int(lost[lost > heaviest].min(initial=len(known))) - 1)
+        return replace(self, solution=replace(self.solution, cycle=(begin, end)))
+
+    def _filled(self, units: Array) -> Array:
+        return beside_known(within_known(units, self.solution.step), self.small)
 
     def _added(self, units: Array) -> Array:
         """(stations, T, d) histories from known units (T, stations, d, J)."""
@@ -189,11 +219,16 @@ def _mean_of_ends(units: Array, steps: Array) -> Array:
         units: (n + 1, stations, d, J) factors for a unit of each driver; NaN where unknown.
         steps: (n, J) increments of the drivers.
     """
-    known = np.isfinite(units).all(axis=(1, 2, 3))
+    known = _known(units)
     ends = [np.einsum("tsdj,tj->tsd", each, steps) for each in (units[:-1], units[1:])]
     both, first, last = known[:-1] & known[1:], known[:-1], known[1:]
     found = np.where(first[:, None, None], ends[0], np.where(last[:, None, None], ends[1], np.nan))
     return np.where(both[:, None, None], (ends[0] + ends[1]) / 2, found)
+
+
+def _known(units: Array) -> Bools:
+    """(T,) states in which all units (T, stations, d, J) are known."""
+    return np.asarray(np.isfinite(units).all(axis=(1, 2, 3)))
 
 
 def within_known(units: Array, step: Indices | None) -> Array:
@@ -210,7 +245,7 @@ def within_known(units: Array, step: Indices | None) -> Array:
     if step is None:
         return units
     count = len(units)
-    states, known = np.arange(count), np.isfinite(units).all(axis=(1, 2, 3))
+    states, known = np.arange(count), _known(units)
     inside = np.append(step[1:] == step[:-1], False)
     later = np.minimum.accumulate(np.where(known, states, count)[::-1])[::-1]
     earlier = np.maximum.accumulate(np.where(known, states, -1))
@@ -219,6 +254,27 @@ def within_known(units: Array, step: Indices | None) -> Array:
     precedes = (earlier >= 0) & (earlier >= begin)
     source = np.where(follows, later, np.where(precedes, earlier, states))
     return np.asarray(units[np.where(inside & ~known, source, states)])
+
+
+def beside_known(units: Array, small: Bools) -> Array:
+    """Units of all states, those unknown in a run of small ones those of the known state beside it.
+
+    Of that behind it, else of that before.
+
+    Args:
+        units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
+        small: (T,) states that carry little; the contact is not open in them.
+    """
+    known, states = _known(units), np.arange(len(units))
+    lost = small & ~known
+    if not lost.any():
+        return units
+    behind = np.minimum.accumulate(np.where(lost, len(units), states)[::-1])[::-1]
+    before = np.maximum.accumulate(np.where(lost, -1, states))
+    # Where no known state is next to the run, it stays as it is.
+    there = np.append(known, False)
+    source = np.where(there[behind], behind, np.where(there[before], before, states))
+    return np.asarray(units[np.where(lost, source, states)])
 
 
 def one_sided_share(
@@ -238,7 +294,7 @@ def one_sided_share(
     if cycle is None:
         return np.zeros(units.shape[1])
     states = slice(cycle[0], cycle[1] + 1)
-    known = np.isfinite(units[states]).all(axis=(1, 2, 3))
+    known = _known(units[states])
     steps = np.diff(drivers[states], axis=0)
     increments = _mean_of_ends(filled[states], steps)[:, :, Factor.K_T :]
     increments = np.linalg.norm(increments, axis=2)

@@ -21,6 +21,10 @@ from fretfe.history.state_array import blocks
 
 # Part of the largest P up to which a state whose contact has too few nodes is left out.
 SMALL_LOAD = 0.1
+# Part of the largest P up to which the last state of a history does not count as loaded.
+UNLOADED = 0.03
+# Part of the largest P up to which states too small for factors leave the others known.
+LITTLE = 0.3
 # Part of the largest P below which a contact carries nothing but round-off.
 NO_LOAD = 1e-6
 # Power of P with which K_T of a cylinder grows where P and Q do so together; of flats it is 1.
@@ -32,6 +36,14 @@ def normal_force(contact: ContactHistory) -> Array:
     states = blocks(len(contact.mean_traction), contact.mean_traction[0].size)
     found = [contact.mean_traction[each, :, 0] @ contact.surface.weights for each in states]
     return np.concatenate(found)
+
+
+def hardly_loaded(contact: ContactHistory) -> Bools:
+    """(T,) states in which a contact carries little, and in the plane has too few nodes."""
+    force, nodes = normal_force(contact), contact.pressed_nodes
+    plane = contact.surface.facets is None
+    few = (nodes > 0) & ((nodes < WANTED_NODES) | (not plane))
+    return np.asarray(few & (force <= LITTLE * force.max()))
 
 
 def decisive_state(force: Array, along: Array, cycle: Indices, ends: Indices) -> int:
@@ -72,6 +84,14 @@ def moving_state(solution: Solution) -> int:
     force = np.sum([normal_force(each) for each in solution.contacts], axis=0)
     inside = solution.ends[(solution.ends >= first) & (solution.ends <= last)]
     return int(inside[2 * force[inside] >= force[inside].max()][-1])
+
+
+def pressed_state(solution: Solution, contact: ContactHistory) -> int:
+    """The last state of the cycle, or of all; the one of the largest P if that carries little."""
+    first, last = solution.cycle or (0, len(solution.times) - 1)
+    force = normal_force(contact)
+    heaviest = most_loaded(force, np.arange(first, last + 1))
+    return last if force[last] > UNLOADED * force[heaviest] else heaviest
 
 
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:

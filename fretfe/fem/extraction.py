@@ -19,7 +19,12 @@ from fretfe.contact.march import March
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.state import ContactState
 from fretfe.evaluate.evaluate import Tracks
-from fretfe.evaluate.loaded import evaluated_states, moving_state, with_own_cycle
+from fretfe.evaluate.loaded import (
+    evaluated_states,
+    hardly_loaded,
+    moving_state,
+    with_own_cycle,
+)
 from fretfe.evaluate.plane.edge_fits import with_kink
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
@@ -250,7 +255,10 @@ def _choose_areas(solution: Solution, contact: ContactHistory, moving: int) -> _
     """Smallest, middle and largest contact area of the cycle; None if edges cannot be fitted."""
     states = evaluated_states(with_own_cycle(solution, contact), contact)
     sizes = contact.nodes_pressed_in(states)
-    if sizes.min() < FEWEST_NODES or contact.full_stick.area[states].min() < 0:
+    # What carries little and is too small for fits takes the factors of the states beside it.
+    kept = (sizes >= FEWEST_NODES) | ~hardly_loaded(contact)[states]
+    states, sizes = states[kept], sizes[kept]
+    if not len(sizes) or sizes.min() < FEWEST_NODES or contact.full_stick.area[states].min() < 0:
         return None
     numbers, firsts = np.unique(contact.full_stick.area[states], return_index=True)
     order = np.argsort(sizes[firsts], kind="stable")
@@ -455,7 +463,7 @@ def _plan(
     if not tracks:
         return None
     cycle = cycle_states(solution.cycle)
-    states = cycle if len(cycle) else np.array([len(solution.times) - 1])
+    states = cycle if len(cycle) else np.array([tracks[0].state])
     # One state for each area, the same for all contacts.
     areas, first = np.unique(contact.full_stick.area[states], return_index=True)
     states = states[first]

@@ -6,7 +6,13 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from fretfe.evaluate.increments import add_up, one_sided_share, uneven_share, within_known
+from fretfe.evaluate.increments import (
+    add_up,
+    beside_known,
+    one_sided_share,
+    uneven_share,
+    within_known,
+)
 from fretfe.evaluate.numerics import count_up
 from fretfe.history.solution import Factor
 
@@ -27,6 +33,8 @@ NAN = np.nan
         ([NAN, NAN, NAN], (0, 3), [0.0, NAN, NAN, NAN]),
         # without a cycle all steps count
         ([1.0, NAN, 3.0], None, [NAN, NAN, 0.0, 3.0]),
+        # up to the state of the largest load, where that counts in place of a cycle
+        ([1.0, 2.0, NAN], (2, 2), [0.0, 1.0, 3.0, NAN]),
     ],
 )
 def test_sums(
@@ -98,6 +106,18 @@ def test_states_within_a_step_take_the_factors_of_its_known_end() -> None:
     # Half of three parts that touch, two that open, and the step behind: K_T = 4, 6 and 2 each.
     share = one_sided_share(each, found, np.arange(8.0)[:, None], (0, 7))
     assert share == pytest.approx([(3 * 4 + 2 * 6 + 2) / 2] * 2)
+
+
+def test_small_states_take_the_factors_beside_them() -> None:
+    """At both ends of a flight and between two; bodies part in state 4."""
+    small = np.array([True, False, True, True, False, True, False, False, True])
+    each = units(9, (0, 2, 3, 4, 5, 7, 8))
+    each[1] *= 2.0
+    each[6] *= 3.0
+    # State 7 carries more than a little, and so leaves state 8 unknown as well.
+    same = np.array([1, 1, 1, 1, 4, 6, 6, 7, 8])
+    np.testing.assert_array_equal(beside_known(each, small), each[same])
+    assert beside_known(each, np.zeros(9, dtype=bool)) is each
 
 
 def test_bars_of_steps_hold_what_edges_that_move_change() -> None:

@@ -105,7 +105,8 @@ def plane_edges(solution: Solution, contact: ContactHistory, find_units: FindUni
     positions = np.array([fit.position for fit in fits])
     factors = steps.histories(find_units(solution, contact, positions), alone=False)
     frictions = [contact.edge_friction(each) for each in positions]
-    cycle, beta = cycle_states(own.cycle), contact.surface.dundurs
+    steps = steps.without_small(factors.known)
+    cycle, beta = cycle_states(steps.solution.cycle), contact.surface.dundurs
     a = last_known((positions[1] - positions[0]) / 2, cycle)
     histories = zip(factors.ways.mean(axis=0), frictions, strict=True)
     return PlaneEdges(

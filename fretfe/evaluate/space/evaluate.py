@@ -13,7 +13,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Frame, Front, unknown_station
 from fretfe.evaluate.factors import FactorHistories, pressed_on, rotated
 from fretfe.evaluate.increments import ContactSteps, UnitFactors
-from fretfe.evaluate.loaded import normal_force
+from fretfe.evaluate.loaded import normal_force, pressed_state
 from fretfe.evaluate.resultants import solid_resultants
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.space.contact_area import why_no_fronts
@@ -64,11 +64,12 @@ def evaluate_solids(
             replace(front, patch=int(owner[node]) + 1)
             for front, node in zip(fronts, nodes, strict=True)
         )
-    missing = not nobody and not any(track.state == last for track in tracks)
+    reference = pressed_state(solution, contact)
+    missing = not nobody and not any(track.state == reference for track in tracks)
     return {
         **found,
         "fronts": fronts,
-        "lack": why_no_fronts(contact, last) if missing else TOLD,
+        "lack": why_no_fronts(contact, reference) if missing else TOLD,
         "patches": patches,
         "dissipation": float(found["work"][first + 1 : last + 1].sum()),
     }
@@ -175,7 +176,8 @@ def _factors(
     if integrals is None:
         nothing = np.full((1, *track.fit.place.T.shape, 3), np.nan)
         unknown = nothing[0, :, 0, 0]
-        return FactorHistories(nothing, None, exact=False, one_sided=unknown, uneven=unknown)
+        states = np.zeros(len(track.fit.place), dtype=bool)
+        return FactorHistories(nothing, None, False, unknown, unknown, states)
     known, power = integrals.positions[:, stations], GROWTH[front.frames.closed]
     ways = (
         _interpolate(track.fit.place, known, own, front.depth, steps.dundurs, power)

@@ -16,6 +16,7 @@ from scipy.interpolate import CubicSpline
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.loaded import pressed_state
 from fretfe.evaluate.space.contact_area import FEWEST_CROSSED, WANTED_ACROSS, contact_areas
 from fretfe.evaluate.space.front_fits import fit_states
 from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
@@ -361,8 +362,8 @@ def follow_fronts(
 
     Longest first. They are searched for again where they have moved in the cycle, or anywhere
     without one; in states outside of it they are known as far as they stay where they are in it.
-    Where the contact of the last state is too small for its pressures to tell them, they are those
-    of the state with the largest contact.
+    Where the last state carries next to nothing they are those of the largest load, and where the
+    contact is too small for its pressures to tell them those of the largest contact.
 
     Args:
         solution: the solved history.
@@ -385,8 +386,8 @@ def follow_fronts(
     states = np.unique(source)
     states = states[contact.nodes_pressed_in(states) > 0]
     wanted = np.isin(states, source[first : last + 1])
-    reference = last
-    if np.isin(source[last], states) and not fronts(int(source[last])):
+    reference = pressed_state(solution, contact)
+    if np.isin(source[reference], states) and not fronts(int(source[reference])):
         nodes = contact.nodes_pressed_in(source[first : last + 1])
         reference = first + int(np.flatnonzero(nodes == nodes.max())[-1])
     tracks = []

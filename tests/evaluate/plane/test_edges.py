@@ -41,6 +41,7 @@ def histories(ways: list[float], fitted: float | None = None) -> FactorHistories
         exact=True,
         one_sided=np.zeros(2),
         uneven=np.zeros(2),
+        known=np.ones(0, dtype=bool),
     )
 
 

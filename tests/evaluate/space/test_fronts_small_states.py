@@ -66,3 +66,19 @@ def test_numbers_are_those_of_the_largest_contact_and_say_so(
     assert np.all(np.abs(known[:, 0] - np.sqrt(2)) < known[:, 1])
     (found,) = (each for each in contact.warnings if each.kind is Kind.NO_FRONTS)
     assert "K_N is that of state 2, in which the contact is largest" in found.text
+
+
+@pytest.mark.parametrize("share", [0.0, 0.5])
+def test_a_flight_that_ends_with_next_to_nothing_is_told_where_it_is_loaded(
+    case: tuple[Solution, FrontTrack], share: float
+) -> None:
+    solution, known = case
+    (contact,) = solution.contacts
+    traction, mean = np.array(contact.traction), np.array(contact.mean_traction)
+    traction[3], mean[3] = share * traction[3], share * mean[3]
+    ended = replace(contact, traction=traction, mean_traction=mean)
+    (track,) = follow_fronts(solution, ended, STATIONS)
+    assert track.state == 2
+    np.testing.assert_array_equal(track.fit.k_n[2], known.fit.k_n[2])
+    (found,) = evaluate(replace(solution, contacts=(ended,)), tracks={"main": (track,)})
+    assert found.lack.kind is Lack.NOTHING

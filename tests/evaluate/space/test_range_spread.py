@@ -35,7 +35,12 @@ def test_where_integrals_have_few_elements_the_bar_holds_it(
     ways = np.zeros((4, STATIONS, 3, 3))
     ways[:, :, :, 1] = [0.0, 1.0, -1.0]  # K_T of all stations, by all ways
     factors = FactorHistories(
-        ways, None, exact=False, one_sided=np.zeros(STATIONS), uneven=np.zeros(STATIONS)
+        ways,
+        None,
+        exact=False,
+        one_sided=np.zeros(STATIONS),
+        uneven=np.zeros(STATIONS),
+        known=np.ones(0, dtype=bool),
     )
     front = copy(circle.front)
     front.sectors = sectors
