@@ -165,16 +165,22 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     """
     histories = {each.name: each for each in solution.contacts}
     irregular = [
-        (edge, histories[contact.name].edge_friction(edge.position))
+        (contact, edge)
         for contact in contacts
         for edge in contact.stations
         if edge.cycles.irregular
     ]
     if not irregular:
         return np.zeros(0, dtype=np.int64)
-    edge, friction = max(irregular, key=lambda each: largest_range(each[0]))
-    states = np.arange(edge.first, edge.last + 1) if edge.first >= 0 else cycle_states(None)
-    return worst_path(edge.cycles, states, friction, edge)
+    contact, edge = max(irregular, key=lambda each: largest_range(each[1]))
+    # Of solids `last` is the state in which the front is followed.
+    own = (edge.first, edge.last) if edge.first >= 0 else None
+    places = edge.position
+    if contact.solid:
+        own = solution.cycle
+        places = edge.point + edge.position[:, None] * edge.frame.inward
+    friction = histories[contact.name].edge_friction(places)
+    return worst_path(edge.cycles, cycle_states(own), friction, edge)
 
 
 def largest_range(edge: Station) -> float:
