@@ -113,14 +113,12 @@ class _Slip:
         forward, backward: (T,) K_T - f K_I and K_T + f K_I.
         drive: (T,) of slip, up to the last of the states that are looked at; NaN where not known.
         begin: first state from which on they are known, and there is friction.
-        fresh: whether nothing has slipped before that state.
     """
 
     forward: Array
     backward: Array
     drive: Array
     begin: int
-    fresh: bool
 
     def phases(self, states: Indices) -> tuple[Indices, Indices]:
         """Ends and directions of phases that alternate, in states in any order.
@@ -183,7 +181,8 @@ def count_cycles(
         reach = np.maximum(reach, _first_loading(k_t[turns])[counted.end])
     f_k_i = friction.max() * station.k_i
     if takes_away(f_k_i[states].max() - f_k_i[states], k_t):
-        moved = np.array([np.ptp(f_k_i[_way(*ends)]) for ends in zip(start, end, strict=True)])
+        ways = np.sort([start, end], axis=0).T
+        moved = np.array([np.ptp(f_k_i[first : last + 1]) for first, last in ways])
         reach = np.where(moved <= CLOSED * counted.range, reach, np.nan)
     return CountedCycles(
         start=start,
@@ -195,11 +194,6 @@ def count_cycles(
         closed=closed,
         reason="",
     )
-
-
-def _way(start: int, end: int) -> slice:
-    """The states between two reversals."""
-    return slice(min(start, end), max(start, end) + 1)
 
 
 def _order(states: Indices, k_t: Array, returns: bool) -> tuple[Indices, bool]:
@@ -241,7 +235,7 @@ def _slip(states: Indices, friction: Array, station: StationHistory) -> _Slip:
     inside = slice(begin, int(states.max()) + 1)
     drive = np.full(len(forward), math.nan)
     drive[inside] = slip_drive(station.k_t[inside], friction.max() * station.k_i[inside])
-    return _Slip(forward, backward, drive, begin, fresh=begin == first)
+    return _Slip(forward, backward, drive, begin)
 
 
 def worst_path(
