@@ -122,12 +122,12 @@ def longest_zones(
     """
     retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * float(np.ptp(k_t))
     radius, drive = depths(k_t, retreat) / 2, slip_drive(k_t, f_k_i)
-    since, phase = np.zeros((3, len(radius)), dtype=np.int64), _Phase(0 * radius, drive[0], least)
+    since, before = np.zeros((3, len(radius)), dtype=np.int64), np.full(len(radius), k_t[0])
+    phase = _Phase(before, drive[0], least)
     longest: dict[int, float] = {1: 0.0, -1: 0.0}
     found: dict[int, tuple[int, int]] = {}
     # The last state once more: what is remembered is known before each step.
     steps = remembered(np.append(k_t, k_t[-1]), np.append(retreat, retreat[-1]), 2 * radius)
-    before = 0 * radius + k_t[0]
     for state, memory in enumerate(steps):
         covered = radius >= retreat[state]
         phase.follow(memory, drive[state], covered)
