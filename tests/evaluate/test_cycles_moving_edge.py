@@ -26,7 +26,8 @@ def counted(k_t: list[float], fall: list[float]) -> set[tuple[float, float, floa
     found = count_cycles(NO_CYCLE, np.full(len(k_t), FRICTION), at_edge)
     assert not found.reason
     ends = np.sort([at_edge.k_t[found.start], at_edge.k_t[found.end]], axis=0)
-    return {tuple(map(float, row)) for row in zip(*ends, found.count, strict=True)}
+    rows = zip(*ends, found.count, strict=True)
+    return {(float(low), float(high), float(count)) for low, high, count in rows}
 
 
 def test_k_t_is_counted_whatever_p_does() -> None:
