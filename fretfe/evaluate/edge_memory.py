@@ -22,8 +22,9 @@ SLACK = 0.02
 # Part of the range of K_T by which places have to slip: increments of an edge that moves leave so
 # much from cycle to cycle.
 LEAST_SLIP = 0.02
-# A retreat below this part of the range of K_T takes nothing away that counts.
-NO_FALL = 1e-3
+# A retreat below this part of the range of K_T takes nothing away that counts: edges of finite
+# elements move a little at constant P.
+NO_FALL = 0.02
 # Zones whose lengths differ by less than this part are equal, and the last one counts.
 SAME_LENGTH = 1e-3
 # Part of a zone at which its inner end begins.
