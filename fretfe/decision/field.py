@@ -27,11 +27,10 @@ from fretfe._typing import Array, Indices
 from fretfe.case import isotropic
 from fretfe.decision.near_field import ContactTractions, NearField, Side, edge_places, element_size
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.stress import StressHistory, judged_states
+from fretfe.evaluate.stress import SHALLOW, StressHistory, judged_states
 from fretfe.history.solution import ContactHistory
 from fretfe.materials.moduli import plane_modulus
 from fretfe.results.model import Result
-from fretfe.results.station_stress import SHALLOW
 
 # Relative error of the stress of tractions within an element of the edge, as of `_finest`.
 WITHIN_ELEMENT = 0.02
@@ -246,8 +245,7 @@ def _finest(station: Station, size: float) -> float:
 def error_of_tractions(station: Station) -> float:
     """Relative error of stresses at an edge by the bars of ΔK_T and K_N; NaN where unknown."""
     k_n, spread = station.decisive_k_n
-    of_range = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
-    return math.hypot(of_range, spread / k_n)
+    return math.hypot(station.range_error, spread / k_n)
 
 
 def _obstacle(result: Result, contact: Contact, station: Station) -> str:

@@ -541,6 +541,16 @@ class Station(StationHistory):
         return max(known[::-1], key=length)
 
     @property
+    def places(self) -> Array:
+        """(T, 3) places of the front before deformation, NaN where unknown."""
+        return self.point + self.position[:, None] * self.frame.inward
+
+    @property
+    def range_error(self) -> float:
+        """Error bar of the range of (K_T, K_S) over it; 0 without any."""
+        return self.k_range_spread / self.k_range if self.k_range > 0 else 0.0
+
+    @property
     def range_over_k_n(self) -> float:
         """|ΔK|/K_N, in proportion to slip zones along a contact; NaN if one of both is not told."""
         return self.reported_range / (self.reported_k_n or math.nan)

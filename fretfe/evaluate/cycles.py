@@ -78,7 +78,7 @@ class Worst:
 
     Attributes:
         half_cycles: first and last state of each, in time order.
-        predicted: slip length by its range.
+        predicted: slip length by its range; NaN where P moves the edge.
         steps: of each half cycle (T,) whether the step to each state belongs to the way from
             reversal to reversal, and not to a smaller cycle in between; true outside of it.
     """
@@ -119,24 +119,6 @@ class _Slip:
     backward: Array
     drive: Array
     begin: int
-
-    def phases(self, states: Indices) -> tuple[Indices, Indices]:
-        """Ends and directions of phases that alternate, in states in any order.
-
-        The step to each state is the one before it in the history, and what leads to the begin of
-        that step where another state stands before it.
-        """
-        steps = np.diff(self.drive, prepend=self.drive[:1])[states[1:]]
-        steps += self._between(states[:-1], states[1:] - 1)
-        drive = np.append(0.0, np.cumsum(steps))
-        ends, ways = slip_phases(drive, self.forward[states], self.backward[states])
-        turns = np.diff(ways, prepend=0) != 0
-        return ends[turns], ways[turns]
-
-    def _between(self, begin: Indices, end: Indices) -> Array:
-        """(n,) drives of slip on straight ways between states (n,)."""
-        forward, backward = (each[end] - each[begin] for each in (self.forward, self.backward))
-        return np.asarray(np.maximum(forward, 0.0) + np.minimum(backward, 0.0))
 
     def reached(self, states: Indices | int, way: int) -> Array:
         """Largest drive of slip one way, 1 or -1, in some states."""
@@ -300,7 +282,7 @@ def _longest_ways(
     k_n = station.k_n[known]
     # Where it is not known its largest value ranks them well enough.
     k_n = np.where(k_n > 0, k_n, np.nanmax(k_n, initial=0.0) or 1.0)
-    found = longest_zones(station.k_t[known], f_k_i[known], k_n, first)
+    found = longest_zones(station.k_t[known], f_k_i[known], k_n, slip.drive[known], first)
     ways = [
         ((half[0] + begin, half[1] + begin), way)
         for half, way in zip(found, (1, -1), strict=True)
@@ -341,10 +323,11 @@ def _previous(state: int, way: int, period: int, slip: _Slip) -> int:
 def _outer_steps(slip: _Slip, start: int, end: int, way: int) -> Bools:
     """(end - start,) steps between two states that drive slip one way farther than before."""
     inside = np.arange(start, end + 1)
-    ends, ways = slip.phases(inside)
+    ends, ways = slip_phases(slip.drive[inside], slip.forward[inside], slip.backward[inside])
+    turns = np.diff(ways, prepend=0) != 0
     reached = slip.reached(inside, way)
     before = np.full(len(reached), -np.inf)
-    peaks = ends[ways == way]
+    peaks = ends[turns & (ways == way)]
     before[peaks] = reached[peaks]
     return np.asarray(reached[1:] > np.maximum.accumulate(before)[:-1])
 

@@ -108,7 +108,7 @@ class _Phase:
 
 
 def longest_zones(
-    k_t: Array, f_k_i: Array, k_n: Array, first: int
+    k_t: Array, f_k_i: Array, k_n: Array, drive: Array, first: int
 ) -> tuple[tuple[int, int] | None, tuple[int, int] | None]:
     """Forward and backward, the states between which the longest slip zone comes about.
 
@@ -119,10 +119,11 @@ def longest_zones(
         k_t: (n,) at the states.
         f_k_i: (n,) f K_I at the states.
         k_n: (n,) K_N at the states.
+        drive: (n,) as of `slip_drive`.
         first: state after which zones are looked for.
     """
     retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * float(np.ptp(k_t))
-    radius, drive = depths(k_t, retreat) / 2, slip_drive(k_t, f_k_i)
+    radius = depths(k_t, retreat) / 2
     since, before = np.zeros((3, len(radius)), dtype=np.int64), np.full(len(radius), k_t[0])
     phase = _Phase(before, drive[0], least)
     longest: dict[int, float] = {1: 0.0, -1: 0.0}

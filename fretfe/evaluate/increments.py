@@ -73,14 +73,15 @@ class ContactSteps:
     @classmethod
     def of(cls, solution: Solution, contact: ContactHistory, whole: Solution) -> ContactSteps:
         """Those of one of the contacts of a solved history, with its cycle and the one of all."""
+        force = normal_force(contact)
         return cls(
             solution,
             contact.surface.dundurs,
             np.zeros(2) if contact.surface.layer is None else contact.surface.layer,
             contact.friction.acts,
             contact.pressed_nodes > 0,
-            normal_force(contact),
-            hardly_loaded(contact),
+            force,
+            hardly_loaded(contact, force),
             contact.intervals,
             whole,
         )

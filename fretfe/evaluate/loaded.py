@@ -38,10 +38,9 @@ def normal_force(contact: ContactHistory) -> Array:
     return np.concatenate(found)
 
 
-def hardly_loaded(contact: ContactHistory) -> Bools:
-    """(T,) states in which a contact carries little, and in the plane has too few nodes."""
-    force, nodes = normal_force(contact), contact.pressed_nodes
-    plane = contact.surface.facets is None
+def hardly_loaded(contact: ContactHistory, force: Array) -> Bools:
+    """(T,) states in which a contact carries little of P (T,), and in the plane has few nodes."""
+    nodes, plane = contact.pressed_nodes, contact.surface.facets is None
     few = (nodes > 0) & ((nodes < WANTED_NODES) | (not plane))
     return np.asarray(few & (force <= LITTLE * force.max()))
 

@@ -113,7 +113,8 @@ def slip_in_steps(
 
 def cycle_states(cycle: tuple[int, int] | None) -> States:
     """States of the evaluated cycle, first and last included; empty without a cycle."""
-    return np.arange(*(0, 0) if cycle is None else (cycle[0], cycle[1] + 1))
+    first, last = cycle or (0, -1)
+    return np.arange(first, last + 1)
 
 
 def slip_zones(

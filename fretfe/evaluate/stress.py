@@ -34,6 +34,12 @@ from fretfe.materials.moduli import compliance
 
 # Stress of two states that differs by no more than this fraction is the same.
 ROUNDING = 1e-6
+# Elements above which the stress of elements is not used: half of the least largest depth.
+SHALLOW = 2.0
+# Largest depth over the smaller of the contact's half-width and the radius of the front.
+PART_OF_WIDTH = 0.4
+# Depths around a station.
+ROWS = 5
 
 
 @dataclass(frozen=True)
@@ -146,6 +152,19 @@ class StressHistory:
         )
 
 
+def station_depths(station: Station) -> Array:
+    """(D,) depths at which the stress of elements around a station tells what bodies add.
+
+    Shallower the stress is that of tractions between nodes. Deeper the bend of the front is no
+    polynomial any more: on a sphere its error grows from 0.7 % of p0 with depths to 0.35 a to 2 and
+    5 % with 0.8 and 2 a, of which a residual does not tell.
+    """
+    curved = abs(station.curvature)
+    width = min(station.depth, 1 / curved if curved > 0 else station.depth)
+    deepest = max(PART_OF_WIDTH * width, 2 * SHALLOW * station.size)
+    return np.linspace(SHALLOW * station.size, deepest, ROWS)
+
+
 def judged_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     """(n,) states of the evaluated cycle, or of the whole history without one.
 
@@ -175,10 +194,7 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     contact, edge = max(irregular, key=lambda each: largest_range(each[1]))
     # Of solids `last` is the state in which the front is followed.
     own = (edge.first, edge.last) if edge.first >= 0 else None
-    places = edge.position
-    if contact.solid:
-        own = solution.cycle
-        places = edge.point + edge.position[:, None] * edge.frame.inward
+    own, places = (solution.cycle, edge.places) if contact.solid else (own, edge.position)
     friction = histories[contact.name].edge_friction(places)
     return worst_path(edge.cycles, cycle_states(own), friction, edge)
 

@@ -175,10 +175,8 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
             Verdict.NO_VERDICT,
             "the expected error of the formula is not known: the edge does not move",
         )
-    bars = math.hypot(
-        station.k_n_spread[zone.end] / station.k_n[zone.end],
-        station.k_range_spread / station.k_range if station.k_range > 0 else 0.0,
-    )
+    of_k_n = station.k_n_spread[zone.end] / station.k_n[zone.end]
+    bars = math.hypot(of_k_n, station.range_error)
     of_length = math.hypot(BORDER_FRACTION, vague) * zone.length
     within = math.hypot(bars * zone.prediction, zone.spread, of_length)
     unlike = COUPLED * station.coupling

@@ -23,6 +23,7 @@ from fretfe.evaluate.loaded import (
     evaluated_states,
     hardly_loaded,
     moving_state,
+    normal_force,
     with_own_cycle,
 )
 from fretfe.evaluate.plane.edge_fits import with_kink
@@ -256,7 +257,7 @@ def _choose_areas(solution: Solution, contact: ContactHistory, moving: int) -> _
     states = evaluated_states(with_own_cycle(solution, contact), contact)
     sizes = contact.nodes_pressed_in(states)
     # What carries little and is too small for fits takes the factors of the states beside it.
-    kept = (sizes >= FEWEST_NODES) | ~hardly_loaded(contact)[states]
+    kept = (sizes >= FEWEST_NODES) | ~hardly_loaded(contact, normal_force(contact))[states]
     states, sizes = states[kept], sizes[kept]
     if not len(sizes) or sizes.min() < FEWEST_NODES or contact.full_stick.area[states].min() < 0:
         return None

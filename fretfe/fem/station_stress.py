@@ -12,7 +12,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.contact.recorder import Recorder
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.evaluate.stress import judged_states
+from fretfe.evaluate.stress import ROWS, judged_states, station_depths
 from fretfe.fem.elasticity import stress_pairs
 from fretfe.fem.fields import FieldSource, common_modes
 from fretfe.fem.model import Model
@@ -21,10 +21,8 @@ from fretfe.fem.stress_output import below
 from fretfe.files import writing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.results.station_stress import (
-    ROWS,
     STATION_STRESSES,
     StationStress,
-    station_depths,
     write_station_stress,
 )
 

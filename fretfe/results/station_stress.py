@@ -15,7 +15,6 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
-from fretfe.evaluate.contacts import Station
 from fretfe.files import replacing
 from fretfe.results.hdf5_file import new_hdf5, read_fault, require_own, store
 
@@ -24,33 +23,13 @@ SCHEMA = {"name": "fretfe-station-stress", "version": 2}
 ARRAYS = ("depths", "states", "numbers", "mouths", "places", "stress")
 
 
-# Elements above which the stress of elements is not used: half of the least largest depth.
-SHALLOW = 2.0
-# Largest depth over the smaller of the contact's half-width and the radius of the front.
-PART_OF_WIDTH = 0.4
-ROWS = 5
-
-
-def station_depths(station: Station) -> Array:
-    """(D,) depths at which the stress of elements around a station tells what bodies add.
-
-    Shallower the stress is that of tractions between nodes. Deeper the bend of the front is no
-    polynomial any more: on a sphere its error grows from 0.7 % of p0 with depths to 0.35 a to 2 and
-    5 % with 0.8 and 2 a, of which a residual does not tell.
-    """
-    curved = abs(station.curvature)
-    width = min(station.depth, 1 / curved if curved > 0 else station.depth)
-    deepest = max(PART_OF_WIDTH * width, 2 * SHALLOW * station.size)
-    return np.linspace(SHALLOW * station.size, deepest, ROWS)
-
-
 @dataclass(frozen=True)
 class StationStress:
     """Stress around the stations of the fronts of a contact, by elements.
 
     Attributes:
         contact: its name.
-        depths: (S, D) below the surfaces, as of `station_depths` [length].
+        depths: (S, D) below the surfaces, as of `evaluate.stress.station_depths` [length].
         states: (n,) numbers of the states.
         fronts: (S,) names of the fronts of the stations.
         numbers: (S,) of the stations on them.

@@ -17,8 +17,9 @@ from fretfe.case import Body
 from fretfe.decision.field import EdgeField
 from fretfe.decision.station_field import station_fields
 from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.stress import station_depths
 from fretfe.results.model import Result
-from fretfe.results.station_stress import StationStress, station_depths
+from fretfe.results.station_stress import StationStress
 
 STICK = (1 - SHEAR) ** (1 / 3)
 

@@ -514,9 +514,8 @@ class _Edge:
         if border.gross or not border.resolved:
             return zone
         station, length = self.station, border.length
-        range_bar = station.k_range_spread / station.k_range if station.k_range > 0 else 0.0
         first_order = zone.predicted if math.isfinite(zone.predicted) else length
-        open_part = self.shape.bar(length, first_order, range_bar)
+        open_part = self.shape.bar(length, first_order, station.range_error)
         unlike = UNLIKE * self.station.friction * self.bodies.coupling * length
         spread = math.hypot(border.spread, zone.missed, open_part, unlike)
         return replace(zone, local=length, local_spread=spread)
@@ -594,8 +593,7 @@ def _pose(
     if not any(spans):
         return "no half cycle can be followed"
     along = replace(station, k_t=station.k_along)
-    places = station.point + station.position[:, None] * station.frame.inward
-    friction = path.contact.edge_friction(places)
+    friction = path.contact.edge_friction(station.places)
     worst = worst_cycle(station.cycles, cycle_states(path.cycle), friction, along)
     states = np.arange(len(kept))
     return _Edge(
