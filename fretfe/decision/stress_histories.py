@@ -108,8 +108,9 @@ def edge_histories(
         for each in np.radians(both[0])
     ]
     if reaches and max(reaches) < max(distances, default=0.0):
+        most = 0.9999 * max(reaches)  # however it is rounded
         raise CaseError(
-            f"--depth: expected at most {max(reaches):.4g} {result.case.units.length}, to which "
+            f"--depth: expected at most {most:.5g} {result.case.units.length}, to which "
             f"the stress is known, found {max(distances):g}"
         )
     return tuple(

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,8 +20,8 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic._numerics import check_positive
 from fretfe.analytic.paths import rainflow
-from fretfe.evaluate.contacts import SAME_RANGE, CountedCycles, StationHistory, no_cycles
-from fretfe.evaluate.edge_memory import longest_zones, slip_drive, takes_away
+from fretfe.evaluate.contacts import ROUND_OFF, SAME_RANGE, CountedCycles, StationHistory, no_cycles
+from fretfe.evaluate.edge_memory import NO_FALL, longest_zones, slip_drive, takes_away
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -120,6 +120,15 @@ class _Slip:
     drive: Array
     begin: int
 
+    def pressed(self, end: int, least: float) -> _Slip:
+        """The same from where P last is what it is in a state, but for what moves edges by `least`.
+
+        What drives slip while P grows is no reversal of what comes then.
+        """
+        retreat = (self.forward - self.backward)[self.begin : end + 1] / 2
+        lower = np.flatnonzero(retreat > least)
+        return replace(self, begin=self.begin + int(lower[-1]) + 1) if len(lower) else self
+
     def reached(self, states: Indices | int, way: int) -> Array:
         """Largest drive of slip one way, 1 or -1, in some states."""
         return np.asarray(self.forward[states] if way > 0 else -self.backward[states])
@@ -152,7 +161,7 @@ def count_cycles(
     order, closed = _order(states, station.k_t, returns) if len(cycle) else (states, False)
     k_t = _without_drift(station.k_t, states)[order] if closed else station.k_t[order]
     ends, _ = slip_phases(k_t, k_t, k_t)
-    if not len(ends):
+    if not np.ptp(k_t) > ROUND_OFF * friction.max() * np.ptp(station.k_i[states]):
         return no_cycles("nothing varies")
     turns = np.append(0, ends)
     # The repetition itself leads from the last reversal, which is the first one, on.
@@ -259,6 +268,7 @@ def worst_cycle(
         if not ways:
             return None
     else:
+        slip = slip.pressed(end, NO_FALL * float(np.ptp(station.k_t[states])))
         # A range from backward to forward reversal is the larger one that way round.
         upward = slip.forward[end] - slip.backward[start]
         way = 1 if upward > slip.forward[start] - slip.backward[end] else -1

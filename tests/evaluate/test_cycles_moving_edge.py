@@ -38,6 +38,25 @@ def test_k_t_is_counted_whatever_p_does() -> None:
         assert counted(k_t, fall) == halves
 
 
+def test_pressing_before_the_cycle_is_no_reversal() -> None:
+    """P grows without shear; the larger one of two cycles at constant P begins at its own peak."""
+    k_t = divided(np.array([0.0, 0, 30, -12, 20, 0]), 6)
+    fall = divided(np.array([60.0, 0, 0, 0, 0, 0]), 6)
+    cycle, friction = np.arange(6, 31), np.full(31, FRICTION)
+    at_edge = station(k_t, fall)
+    worst = worst_cycle(count_cycles(cycle, friction, at_edge), cycle, friction, at_edge)
+    assert worst is not None
+    assert worst.half_cycles == ((12, 18),)
+
+
+def test_round_off_is_no_cycle() -> None:
+    noise = 1e-14 * np.random.default_rng(1).uniform(-1, 1, 30)
+    found = count_cycles(
+        NO_CYCLE, np.full(30, FRICTION), station(noise, divided(np.array([60.0, 0]), 29))
+    )
+    assert found.reason == "nothing varies"
+
+
 def lengths_by_plays(k_t: np.ndarray, fall: np.ndarray) -> np.ndarray:
     """(2, n) length of the slip zone forward and backward in each step."""
     radius, found = np.linspace(0, 3, 6001), np.zeros((2, len(k_t)))
