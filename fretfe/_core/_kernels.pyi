@@ -68,6 +68,15 @@ def combine_blocks(
     trial: npt.NDArray[np.float64],
     out: npt.NDArray[np.float32] | npt.NDArray[np.float64],
 ) -> None: ...
+def follow_memory(
+    k_t: npt.NDArray[np.float64],
+    retreat: npt.NDArray[np.float64],
+    radius: npt.NDArray[np.float64],
+    in_steps: bool,
+    from_: int,
+    to: int,
+    memory: npt.NDArray[np.float64],
+) -> None: ...
 def use_routines(single: list[int], double: list[int]) -> None: ...
 def use_threads(count: int) -> None: ...
 def factorise(
@@ -88,6 +97,12 @@ def multiply_triangle(
     matrix: npt.NDArray[np.float64],
     transpose: bool,
     vectors: npt.NDArray[np.float64],
+    out: npt.NDArray[np.float64],
+) -> None: ...
+def combine_rows(
+    matrix: npt.NDArray[np.float64],
+    rows: npt.NDArray[np.int64],
+    weights: npt.NDArray[np.float64],
     out: npt.NDArray[np.float64],
 ) -> None: ...
 def gather(

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "arrays.hpp"
+#include "edge_memory.hpp"
 #include "moments.hpp"
 #include "mortar.hpp"
 #include "mortar_space.hpp"
@@ -132,6 +133,17 @@ auto fit_moments(Tables tables, double first, double step, Table shares, Table m
   });
 }
 
+void follow_memory(Values k_t, Values retreat, Values radius, bool in_steps, std::size_t from,
+                   std::size_t to,
+                   nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> memory) {
+  if (retreat.shape(0) != k_t.shape(0) || memory.shape(0) != radius.shape(0) ||
+      to >= k_t.shape(0))
+    throw nb::value_error("the arrays do not fit one another");
+  nb::gil_scoped_release release;
+  fretfe::edge_memory::follow({k_t.data(), retreat.data()}, {radius.data(), radius.shape(0)},
+                              in_steps, from, to, memory.data());
+}
+
 } // namespace
 
 NB_MODULE(_kernels, m) {
@@ -155,4 +167,8 @@ NB_MODULE(_kernels, m) {
         "Series behind fronts by least squares to moments (m, bumps): place, first factor, second "
         "over first, errors of place and first factor, sum of squares left, (m, 6). Tables "
         "(exponents, 4, pieces, bumps, columns) are cubic between places, shares (m, exponents).");
+  m.def("follow_memory", &follow_memory, "k_t"_a, "retreat"_a, "radius"_a, "in_steps"_a, "from_"_a,
+        "to"_a, nb::arg("memory").noconvert(),
+        "Lead what places (m,) remember after a state to what they do after a later one: K_T and "
+        "f K_I below its largest value at states (n,), f K_N y / 2 at places (m,).");
 }

@@ -2,15 +2,14 @@
 #include "dense.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <functional>
 #include <mutex>
-#include <system_error>
-#include <thread>
 #include <utility>
 #include <vector>
+
+#include "threads.hpp"
 
 namespace fretfe::dense {
 namespace {
@@ -19,21 +18,6 @@ namespace {
 constexpr int panel = 192;
 // Rows of a block of a product: what is read twice stays in the processor's cache.
 constexpr int tile = 256;
-
-int allowed_threads = 1;
-
-/// Does `work` on so many threads at once; on fewer where the system gives no more.
-template <class Work> void on_threads(std::size_t count, Work &work) {
-  std::vector<std::thread> others;
-  try {
-    while (others.size() + 1 < count)
-      others.emplace_back(std::ref(work));
-  } catch (const std::system_error &) {
-  }
-  work();
-  for (auto &each : others)
-    each.join();
-}
 
 /// Blocks of columns that are finished one after the other, each once all before it have been
 /// applied to it in order.
@@ -44,7 +28,7 @@ template <class Columns> class Order {
 public:
   explicit Order(Columns &columns) : columns_(columns), applied_(columns.count()) {}
 
-  void run() { on_threads(std::min<std::size_t>(allowed_threads, applied_.size()), *this); }
+  void run() { on_threads(applied_.size(), std::ref(*this)); }
 
   void operator()() {
     std::unique_lock<std::mutex> lock(mutex_);
@@ -216,17 +200,6 @@ struct Triangle : Blocks<double> {
 
 } // namespace
 
-void use_threads(int count) { allowed_threads = std::max(count, 1); }
-
-void for_each(std::size_t count, const std::function<void(std::size_t)> &work) {
-  std::atomic<std::size_t> next{0};
-  auto some = [&] {
-    for (std::size_t i = next++; i < count; i = next++)
-      work(i);
-  };
-  on_threads(std::min<std::size_t>(allowed_threads, count), some);
-}
-
 template <class T> int factorise(T *matrix, int n, int *pivots) {
   Factors<T> factors{{matrix, n}, pivots};
   Order(factors).run();
@@ -253,7 +226,7 @@ void multiply_symmetric(const double *matrix, const double *x, double *y, std::s
   const auto &blas = routines<double>();
   const int one = 1, stride = static_cast<int>(n);
   const double plus = 1;
-  if (allowed_threads == 1) { // each entry is read once, not once from memory and once nearby
+  if (threads() == 1) { // each entry is read once, not once from memory and once nearby
     std::fill_n(y, n, 0.0);
     blas.symv(&upper, &stride, &plus, matrix, &stride, x, &one, &plus, y, &one);
     return;

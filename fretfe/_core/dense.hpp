@@ -10,7 +10,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <functional>
 
 namespace fretfe::dense {
 
@@ -38,12 +37,6 @@ template <class T> Routines<T> &routines() {
   static Routines<T> found{};
   return found;
 }
-
-/// Number of threads of whatever follows, at least 1.
-void use_threads(int count);
-
-/// Calls `work(i)` for all i below a number, each on one of the threads.
-void for_each(std::size_t count, const std::function<void(std::size_t)> &work);
 
 /// LU factors of a matrix (n, n) by columns, in its place, and the row that each row was swapped
 /// with. Returns the number of the first row that depends on those before it, counted from 1, or 0.

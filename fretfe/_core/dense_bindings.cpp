@@ -9,6 +9,7 @@
 
 #include "arrays.hpp"
 #include "dense.hpp"
+#include "threads.hpp"
 
 namespace nb = nanobind;
 using namespace nb::literals;
@@ -19,6 +20,8 @@ using fretfe::Numbers, fretfe::Table, fretfe::Values;
 
 // Rows that are gathered at a time.
 constexpr std::size_t some = 32;
+// Parts of rows that are shorter are read slowly.
+constexpr std::size_t shortest = 512;
 
 template <class Number>
 void combine_blocks(Table matrix, Numbers row_nodes, Table tested, Numbers column_nodes,
@@ -29,7 +32,7 @@ void combine_blocks(Table matrix, Numbers row_nodes, Table tested, Numbers colum
       trial.shape(0) != size || out.shape(0) != count || out.shape(1) != size)
     throw nb::value_error("the arrays do not fit one another");
   nb::gil_scoped_release release;
-  fretfe::dense::for_each((count + some - 1) / some, [&](std::size_t part) {
+  fretfe::for_each((count + some - 1) / some, [&](std::size_t part) {
     std::vector<double> row(width);
     for (std::size_t i = part * some; i < std::min(count, (part + 1) * some); ++i) {
       std::fill(row.begin(), row.end(), 0.0);
@@ -56,13 +59,48 @@ void gather(Table matrix, Numbers rows, Numbers columns,
       (count > 0 && size > 1 && out.stride(1) != 1))
     throw nb::value_error("the arrays do not fit one another");
   nb::gil_scoped_release release;
-  fretfe::dense::for_each((count + some - 1) / some, [&](std::size_t part) {
+  fretfe::for_each((count + some - 1) / some, [&](std::size_t part) {
     for (std::size_t i = part * some; i < std::min(count, (part + 1) * some); ++i) {
       const double *values = matrix.data() + rows.data()[i] * width;
       double *to = out.data() + static_cast<std::ptrdiff_t>(i) * out.stride(0);
       for (std::size_t j = 0; j < size; ++j)
         to[j] = values[columns.data()[j]];
     }
+  });
+}
+
+/// Adds rows times weights to some columns of their sum, four rows at a time: each is read once, the
+/// sum for each four of them.
+void add_rows(const double *matrix, std::size_t width, const Numbers &rows, const double *weights,
+              double *sum, std::size_t length) {
+  const std::size_t count = rows.shape(0);
+  const std::int64_t *row = rows.data();
+  std::size_t i = 0;
+  for (; i + 4 <= count; i += 4) {
+    const double *a = matrix + row[i] * width, *b = matrix + row[i + 1] * width,
+                 *c = matrix + row[i + 2] * width, *d = matrix + row[i + 3] * width;
+    const double *by = weights + i;
+    for (std::size_t k = 0; k < length; ++k)
+      sum[k] += by[0] * a[k] + by[1] * b[k] + by[2] * c[k] + by[3] * d[k];
+  }
+  for (; i < count; ++i)
+    for (std::size_t k = 0; k < length; ++k)
+      sum[k] += weights[i] * matrix[row[i] * width + k];
+}
+
+void combine_rows(Table matrix, Numbers rows,
+                  nb::ndarray<const double, nb::ndim<2>, nb::f_contig, nb::device::cpu> weights,
+                  nb::ndarray<double, nb::ndim<2>, nb::f_contig, nb::device::cpu> out) {
+  const std::size_t count = rows.shape(0), size = out.shape(0), width = matrix.shape(1);
+  if (weights.shape(0) != count || weights.shape(1) != out.shape(1) || size > width)
+    throw nb::value_error("the arrays do not fit one another");
+  nb::gil_scoped_release release;
+  const std::size_t parts = std::max<std::size_t>(1, std::min(fretfe::threads(), size / shortest));
+  fretfe::for_each(parts, [&](std::size_t part) {
+    const std::size_t begin = part * size / parts, length = (part + 1) * size / parts - begin;
+    for (std::size_t j = 0; j < out.shape(1); ++j)
+      add_rows(matrix.data() + begin, width, rows, weights.data() + j * count,
+               out.data() + j * size + begin, length);
   });
 }
 
@@ -148,7 +186,7 @@ void bind_dense(nb::module_ &m) {
       "single"_a, "double"_a,
       "Tell the addresses of gemm, gemv, syrk, trsm, trmm, symv, getrf, potrf, trtri of both "
       "precisions.");
-  m.def("use_threads", &dense::use_threads, "count"_a,
+  m.def("use_threads", &use_threads, "count"_a,
         "Set how many threads work on large matrices; results differ by round-off at most.");
   m.def("factorise", &factorise<float>, nb::arg("matrix").noconvert(),
         nb::arg("pivots").noconvert(), factorises);
@@ -171,6 +209,9 @@ void bind_dense(nb::module_ &m) {
       "transposed, times (n, J).");
   m.def("gather", &gather, nb::arg("matrix").noconvert(), "rows"_a, "columns"_a,
         nb::arg("out").noconvert(), "Write to `out` (r, c) some rows and columns of a matrix.");
+  m.def("combine_rows", &combine_rows, "matrix"_a, "rows"_a, "weights"_a,
+        nb::arg("out").noconvert(),
+        "Add to `out` (n, J) by columns some rows (k,) of a matrix times weights (k, J).");
   const char *combines = "Write to `out` (r, c) for nodes of rows and columns t . B . s with the "
                          "3 x 3 blocks B of a matrix (3 N, 3 N), and vectors t of rows (r, 3) and "
                          "s of columns (c, 3).";

@@ -108,3 +108,17 @@ def gather(matrix: Array, rows: Indices, columns: Indices, into: Array | None = 
     found = np.empty((len(rows), len(columns))) if into is None else into
     _kernels.gather(matrix, rows, columns, found)
     return found
+
+
+def combine_rows(matrix: Array, rows: Indices, weights: Array, size: int) -> Array:
+    """(n, J) sum of some rows of a matrix by rows, times weights.
+
+    Args:
+        matrix: matrix.
+        rows: (k,) numbers.
+        weights: (k, J).
+        size: n, of the columns that are wanted, the first ones.
+    """
+    found = np.zeros((size, weights.shape[1]), order="F")
+    _kernels.combine_rows(matrix, rows, np.asfortranarray(weights), found)
+    return found

@@ -31,6 +31,7 @@ from fretfe.contact.nested_inverse import (
     MatrixSystem,
     NestedInverse,
     SimilarSystems,
+    UnitRows,
 )
 from fretfe.contact.state import OPEN, SLIP, STICK, Status
 from fretfe.errors import ModelError
@@ -762,13 +763,12 @@ class StuckSolution:
                 return system.solve(self._direct, *self._given)
         # Tractions by unit displacements of the released components, less those by coordinates.
         units, vectors = order.rows.units(area.size, released.all), order.rows.vectors(area.size)
-        motion = order.motion[: area.size]
         matrix = np.empty((count + len(vectors), count + len(vectors)))
         # Symmetric.
-        dense.gather(units, np.arange(count), released.all, matrix[:count, :count])
-        matrix[:count, count:] = -vectors[:, released.all].T
-        matrix[count:, :count] = (units @ motion).T
-        matrix[count:, count:] = -(vectors @ motion).T - order.stiffness
+        units.block(released.all, matrix[:count, :count])
+        matrix[count:, :count] = vectors[:, released.all]
+        matrix[:count, count:] = -matrix[count:, :count].T
+        matrix[count:, count:] = -(vectors @ order.motion[: area.size]).T - order.stiffness
         target = np.vstack([-self._traction[released.all], self._missing])
         released.let_slip(conditions, matrix, target, (units, vectors), self._traction)
         known = count + np.flatnonzero(conditions.known)
@@ -781,7 +781,7 @@ class StuckSolution:
         else:
             # Factors of another one would leave too much: gaps are large against what slips.
             changes = SimilarSystems().solve(released.all, MatrixSystem(matrix), target)
-        solved = self._traction + dense.multiply(units.T, changes[:count])
+        solved = self._traction + units.combined(changes[:count])
         solved -= vectors.T @ changes[count:]
         return self._response(solved, released, changes, residual)
 
@@ -836,7 +836,7 @@ class _Released:
         conditions: Conditions,
         matrix: Array,
         target: Array,
-        tractions: tuple[Array, Array],
+        tractions: tuple[UnitRows, Array],
         stuck: Array,
     ) -> None:
         """Replace "no shear" in the rows of slipping nodes by the conditions of slip.
@@ -845,7 +845,7 @@ class _Released:
             conditions: conditions.
             matrix: (k, k) changed in place: released tractions by all unknowns.
             target: (k, J) changed in place.
-            tractions: all by the released components, (c, n*d), and less those by coordinates.
+            tractions: all by the released components, and (m, n*d) less those by coordinates.
             stuck: (n*d, J) tractions in full stick.
         """
         nodes, normal = self._slipping, self._normal
@@ -862,10 +862,11 @@ class _Released:
             penalty = conditions.penalty[nodes, None, None] * self._level
             matrix[own, own.swapaxes(1, 2)] += turning * penalty
         count = len(self.all)
-        pressures = [part[:, normal].T for part in tractions]
+        units, vectors = tractions
+        pressures, beside = units.block(normal).T, vectors[:, normal].T
         for direction, pull in enumerate(conditions.pull[nodes].T[..., None]):
-            rows[:, direction, :count] -= pull * pressures[0]
-            rows[:, direction, count:] += pull * pressures[1]
+            rows[:, direction, :count] -= pull * pressures
+            rows[:, direction, count:] += pull * beside
             targets[:, direction] += pull * stuck[normal]
 
 

@@ -93,6 +93,29 @@ class NestedInverse:
             sums[:, first:last] += weights @ np.tril(rows[:, first:last])
 
 
+@dataclass(frozen=True)
+class UnitRows:
+    """Rows of the inverse of a leading block of n rows, until other ones are asked for.
+
+    Attributes:
+        rows: (r, N) that these are among.
+        places: (k,) theirs.
+        size: n.
+    """
+
+    rows: Array
+    places: Indices
+    size: int
+
+    def block(self, columns: Indices, into: Array | None = None) -> Array:
+        """(k, c) some columns of them; see `dense.gather`."""
+        return dense.gather(self.rows, self.places, columns, into)
+
+    def combined(self, weights: Array) -> Array:
+        """(n, J) sum of the rows times weights (k, J)."""
+        return dense.combine_rows(self.rows, self.places, weights, self.size)
+
+
 class InverseRows:
     """Rows of the inverse of a leading block, kept while the block grows and shrinks.
 
@@ -117,13 +140,13 @@ class InverseRows:
         self._resize(np.arange(count), size)
         return self._rows[:count, :size]
 
-    def units(self, size: int, components: Indices) -> Array:
-        """(k, n) rows of the inverse of a leading block; a copy."""
+    def units(self, size: int, components: Indices) -> UnitRows:
+        """Rows of the inverse of a leading block."""
         if self.missing(components):
             self._append(components[self._place[components] < 0])
         places = self._place[components]
         self._resize(places, size)
-        return dense.gather(self._rows, places, np.arange(size))
+        return UnitRows(self._rows, places, size)
 
     def missing(self, components: Indices) -> int:
         """Number of rows that are not there yet."""

@@ -13,6 +13,7 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from fretfe._core import _kernels
 from fretfe._typing import Array, Bools
 
 # Depths at which the memory is followed, over the largest one.
@@ -47,8 +48,10 @@ def depths(k_t: Array, retreat: Array) -> Array:
     return places[np.diff(places, prepend=-1.0) > 1e-9 * largest]
 
 
-def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False) -> Iterator[Array]:
-    """(m,) what places remember before the step to each state but the first.
+def remembered(
+    k_t: Array, retreat: Array, depth: Array, in_steps: bool = False, since: int = 0
+) -> Iterator[Array]:
+    """(m,) what places remember before the step to each state after one.
 
     Places outside the edge count as if it covered them.
 
@@ -58,19 +61,15 @@ def remembered(k_t: Array, retreat: Array, depth: Array, in_steps: bool = False)
         depth: (m,) f K_N y, increasing.
         in_steps: whether the edge covers places at the beginning of a step, as nodes close in the
             solved one, and not in the course of it.
+        since: that state; what came before it is remembered.
     """
-    radius, memory = depth / 2, np.full(len(depth), k_t[0])
-    for state in range(1, len(k_t)):
+    arguments = *(np.ascontiguousarray(each) for each in (k_t, retreat, depth / 2)), in_steps
+    memory = np.full(len(depth), k_t[0])
+    _kernels.follow_memory(*arguments, 0, since, memory)
+    for state in range(since + 1, len(k_t)):
         yield memory
-        before, now = retreat[state - 1], retreat[state]
-        memory, edge = memory.copy(), int(np.searchsorted(radius, now))
-        if now < before and not in_steps:
-            covered = slice(edge, int(np.searchsorted(radius, before)))
-            share = (radius[covered] - now) / (before - now)
-            memory[covered] = k_t[state] + share * (k_t[state - 1] - k_t[state])
-        np.maximum(memory, k_t[state] + now - radius, out=memory)
-        np.minimum(memory, k_t[state] - now + radius, out=memory)
-        memory[:edge] = k_t[state]
+        memory = memory.copy()
+        _kernels.follow_memory(*arguments, state - 1, state, memory)
 
 
 def takes_away(retreat: Array, k_t: Array) -> bool:

@@ -291,7 +291,9 @@ def _driven(
     """
     radius = depth / 2
     found = {way: (np.zeros(len(depth) - 1), np.zeros(len(k_t))) for way in ways}
-    for state, memory in enumerate(remembered(k_t, retreat, depth, in_steps), start=1):
+    since = max(int(np.argmax(counted)) - 1, 0)
+    steps = remembered(k_t, retreat, depth, in_steps, since)
+    for state, memory in enumerate(steps, start=since + 1):
         now, moved = retreat[state], retreat[state] - retreat[state - 1]
         inside = int(np.searchsorted(radius, now))
         for way, (rates, reach) in found.items():

@@ -54,7 +54,8 @@ class SymmetricMatrix:
         self._values = self._values.astype(np.float32)
 
     def multiply(self, vectors: Array, wanted: slice) -> Array:
-        """(w, J) some rows of it times vectors (n, J)."""
+        """(w, J) some rows of it times vectors (n, J), with numbers as precise as its own."""
+        vectors = vectors.astype(self._values.dtype)
         found = np.zeros((self._size, vectors.shape[1]))
         for rows, block in self._parts():
             own = slice(max(rows.start, wanted.start), min(rows.stop, wanted.stop))

@@ -54,6 +54,17 @@ def test_a_row_that_depends_on_others_is_named(threads: int) -> None:
     assert dense.factorise(np.array(matrix, order="F"))[2] == 251
 
 
+@pytest.mark.parametrize("count", [0, 1, 4, 7])
+@pytest.mark.parametrize("cases", [1, 2])
+def test_rows_are_combined(count: int, cases: int, threads: int) -> None:
+    matrix, rows = random(9, 1200), np.arange(9)[::-1][:count].copy()
+    weights = random(count, cases)
+    expected = matrix[rows, :1100].T @ weights
+    np.testing.assert_allclose(
+        dense.combine_rows(matrix, rows, weights, 1100), expected, atol=1e-13
+    )
+
+
 @pytest.mark.parametrize("size", SIZES)
 def test_inverse_of_the_upper_triangle_leaves_the_lower_one_alone(size: int, threads: int) -> None:
     matrix = positive(size)
