@@ -63,13 +63,13 @@ def remembered(
             solved one, and not in the course of it.
         since: that state; what came before it is remembered.
     """
-    arguments = *(np.ascontiguousarray(each) for each in (k_t, retreat, depth / 2)), in_steps
+    k_t, retreat, radius = (np.ascontiguousarray(each) for each in (k_t, retreat, depth / 2))
     memory = np.full(len(depth), k_t[0])
-    _kernels.follow_memory(*arguments, 0, since, memory)
+    _kernels.follow_memory(k_t, retreat, radius, in_steps, 0, since, memory)
     for state in range(since + 1, len(k_t)):
         yield memory
         memory = memory.copy()
-        _kernels.follow_memory(*arguments, state - 1, state, memory)
+        _kernels.follow_memory(k_t, retreat, radius, in_steps, state - 1, state, memory)
 
 
 def takes_away(retreat: Array, k_t: Array) -> bool:
