@@ -46,13 +46,13 @@ def _load() -> Callable[[], None]:
         THREADS,
         memory_shortage,
         missing_package,
+        threads_asked_for,
         too_little_room,
     )
     from fretfe.errors import DependencyError, MemoryShortError
 
-    # Matrices of a thousand rows gain nothing by threads, and lose much where another program wants
-    # the cores. To be set before NumPy is imported.
-    if not any(name in os.environ for name in THREADS):
+    # As `few_threads`, before NumPy is imported: no BLAS begins any, nor other programs.
+    if threads_asked_for() is None:
         os.environ[THREADS[-1]] = "1"
     # Loading the libraries makes hundreds of thousands of objects and no garbage, which a collector
     # that looks after every 700 of them looks for in a tenth of the time until a run begins.

@@ -14,6 +14,7 @@ import resource
 import shutil
 import sys
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from pathlib import Path
 
 PACKAGES = (
@@ -87,10 +88,26 @@ def idle_cores() -> int:
     return (len(allowed(0)) if allowed else os.cpu_count() or 1) - 1
 
 
-def linear_algebra_threads() -> int:
-    """Threads of a BLAS by the environment; as many as there are cores if it gives no number."""
+def threads_asked_for() -> int | None:
+    """Threads of a BLAS by the environment; None if it gives no number."""
     numbers = (os.environ.get(name, "") for name in THREADS)
-    return next((int(each) for each in numbers if each.isdecimal() and int(each)), idle_cores() + 1)
+    return next((int(each) for each in numbers if each.isdecimal() and int(each)), None)
+
+
+@contextmanager
+def few_threads() -> Iterator[None]:
+    """Have each BLAS of this process use one thread, unless the environment gives a number.
+
+    Matrices of a thousand rows gain nothing by threads, and lose much where another program wants
+    the cores. NumPy, SciPy and PETSc may each have a copy of a BLAS, which they load.
+    """
+    if threads_asked_for():
+        yield
+        return
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1, "blas"):
+        yield
 
 
 def peak_memory() -> float:

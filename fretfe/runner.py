@@ -21,7 +21,7 @@ from fretfe._typing import Array
 from fretfe.backends import Backend, Observer, Processes, RunOptions, find_backend
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.case import Case
-from fretfe.environment import memory_shortage, missing_package
+from fretfe.environment import few_threads, memory_shortage, missing_package
 from fretfe.errors import CaseError, FretfeError, MemoryShortError, ModelError, OutputError
 from fretfe.faults import (
     Collected,
@@ -101,6 +101,7 @@ class Runner:
         supports = self.backend.supports
         self.processes.on_root(lambda: require_support(self.name, case, supports(case)))
 
+    @few_threads()
     def run(
         self,
         case: Case,
@@ -203,6 +204,7 @@ class Runner:
 
         return replace(result, notes=(*result.notes, *self.processes.on_root(attempted)))
 
+    @few_threads()
     def sweep(
         self,
         case: Case,
@@ -250,6 +252,7 @@ class Runner:
             self.write(lambda: work.finish(complete=not stopped, resumable=stopped))
         return sweep
 
+    @few_threads()
     def validate(
         self,
         case: Case,
@@ -375,15 +378,12 @@ class Runner:
         """Options with which a run keeps what it has solved in its folder."""
 
         def keep(result: Result) -> None:
-            found = replace(
-                result, backend=self.name, directory=work.directory, faults=faults_so_far()
-            )
-            self.write(lambda: work.numbers(found))
+            found = replace(result, backend=self.name, directory=work.directory)
+            self.write(lambda: work.numbers(replace(found, faults=faults_so_far())))
 
-        first = self.processes.rank == 0
         return replace(
             options,
-            observer=StepNotes(options.observer, work) if first else options.observer,
+            observer=options.observer if self.processes.rank else StepNotes(options.observer, work),
             states=work.directory / STATES,
             resume=resume,
             before=self._known(work) if resume else None,

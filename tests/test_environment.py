@@ -12,10 +12,14 @@ from pathlib import Path
 import pytest
 from cases import pad_cases
 from harness.launch import python
+from threadpoolctl import threadpool_info, threadpool_limits
 
 from fretfe import environment
 from fretfe.__main__ import main
+from fretfe.backends import Observer
+from fretfe.case import load_case
 from fretfe.environment import memory_shortage, missing_package, reference_blas
+from fretfe.runner import Runner
 
 DEBIAN = "/usr/lib/x86_64-linux-gnu"
 
@@ -91,6 +95,33 @@ def test_one_thread_unless_the_user_says_otherwise(
     monkeypatch.setattr("fretfe.cli.app.main", lambda: None)
     main()
     assert environment.get("OMP_NUM_THREADS") == used
+
+
+@pytest.mark.parametrize(("given", "used"), [({}, 1), ({"OMP_NUM_THREADS": "2"}, 2)])
+def test_programs_solve_with_one_thread_too(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, given: dict[str, str], used: int
+) -> None:
+    """Each BLAS that is loaded; the program has its threads again after it."""
+    for name in environment.THREADS:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in given.items():
+        monkeypatch.setenv(name, value)
+    (tmp_path / "case.toml").write_text(pad_cases.pad_text())
+    case, seen = load_case(tmp_path / "case.toml"), list[list[int]]()
+
+    class Threads(Observer):
+        def step(self, number: int, count: int, text: str) -> None:
+            seen.append(blas_threads())
+
+    with threadpool_limits(2, "blas"):
+        before = blas_threads()
+        Runner.find("halfplane").run(case, observer=Threads())
+        assert blas_threads() == before
+    assert max(before) == 2 and max(map(max, seen)) == used
+
+
+def blas_threads() -> list[int]:
+    return [each["num_threads"] for each in threadpool_info() if each["user_api"] == "blas"]
 
 
 def test_out_of_memory_is_told() -> None:

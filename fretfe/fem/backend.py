@@ -21,9 +21,9 @@ from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import (
     address_room,
     idle_cores,
-    linear_algebra_threads,
     machine_memory,
     peak_memory,
+    threads_asked_for,
     too_little_room,
 )
 from fretfe.errors import MemoryShortError
@@ -170,7 +170,7 @@ class FemSession(Session):
             return 1
         ready.settle()
         room = OF_MEMORY * (machine_memory() or 0.0) / peak_memory() - 1
-        cores = (idle_cores() + 1) // linear_algebra_threads()
+        cores = (idle_cores() + 1) // (threads_asked_for() or 1)
         return max(1, min(cores, int(room)))
 
     def close(self) -> None:

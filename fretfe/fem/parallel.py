@@ -20,7 +20,7 @@ import numpy as np
 
 from fretfe.backends import Observer
 from fretfe.contact import dense
-from fretfe.environment import linear_algebra_threads, memory_shortage
+from fretfe.environment import memory_shortage, threads_asked_for
 from fretfe.errors import FretfeError, MemoryShortError
 from fretfe.faults import CollectiveError, note_fault, said, trace_of
 from fretfe.fem._compat import MPI, PETSc
@@ -164,7 +164,7 @@ def use_waiting_cores(comm: MPI.Comm) -> None:
         if cores:
             os.sched_setaffinity(0, cores)
         count = min(len(beside), len(cores) or len(beside))
-        dense.use_threads(count // linear_algebra_threads())  # of which each would have its own
+        dense.use_threads(count // (threads_asked_for() or 1))  # of which each would have its own
 
 
 def _agreeing(comm: MPI.Comm) -> MPI.Comm:

@@ -18,6 +18,7 @@ from fretfe.backends import (
     installed_backends,
 )
 from fretfe.case import Case
+from fretfe.environment import few_threads
 from fretfe.errors import CaseError, FretfeError
 from fretfe.quality.comparison import (
     Benchmark,
@@ -157,6 +158,7 @@ class Verification:
     passed: bool
 
 
+@few_threads()
 def verify(
     names: Sequence[str] = (), observer: Observer = SILENT, show: Show | None = None
 ) -> Verification:

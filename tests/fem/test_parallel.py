@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from fretfe.contact import dense
-from fretfe.environment import linear_algebra_threads
+from fretfe.environment import threads_asked_for
 from fretfe.errors import FretfeError, ModelError
 from fretfe.faults import FAULTS, CollectiveError, collecting, guarded
 from fretfe.fem import parallel
@@ -149,5 +149,5 @@ def test_rank_0_works_with_the_cores_of_those_that_wait(monkeypatch: pytest.Monk
     monkeypatch.setattr(dense, "use_threads", counts.append)
     use_waiting_cores(COMM)
     cores = len(os.sched_getaffinity(0))
-    threads = min(COMM.size, cores) // linear_algebra_threads()
+    threads = min(COMM.size, cores) // (threads_asked_for() or 1)
     assert counts == ([threads] if COMM.rank == 0 else [])

@@ -197,7 +197,7 @@ def test_cases_on_idle_cores_are_those_of_one_process(
     alone = swept(case(), ranges)
     every = len(solved_steps)
     monkeypatch.setattr(backend, "idle_cores", lambda: 2)
-    monkeypatch.setattr(backend, "linear_algebra_threads", lambda: 1)
+    monkeypatch.setattr(backend, "threads_asked_for", lambda: None)
     # That of the tests of this process before, which copies do not need.
     monkeypatch.setattr(backend, "peak_memory", lambda: 5e8)
     told = Told()

@@ -30,6 +30,7 @@ class PyFretfe(PythonPackage):
         depends_on("py-pydantic@2.6:")
         depends_on("py-rich@13:")
         depends_on("py-scipy@1.12:")
+        depends_on("py-threadpoolctl@3.1:")
         depends_on("py-tomli-w@1.0:")
         depends_on("py-typer@0.12:")
         depends_on("py-fenics-dolfinx@0.9:0.11", when="+fem")
