@@ -163,7 +163,8 @@ def _print_on_ranks(checked: Checked, asked: int | None) -> None:
     alone, ranks = checked.cost, asked or idle_cores() + 1
     several = checked.cost_on(ranks)
     if ranks > 1 and (asked or several.pays_beside(alone)):
-        print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}")
+        fits = f"; {alone.most_ranks(idle_cores() + 1)}" if asked else ""
+        print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}{fits}")
 
 
 MESH_EXAMPLES = examples("fretfe mesh pad.toml -o pad.msh")

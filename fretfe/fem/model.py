@@ -121,7 +121,9 @@ class Model:
             surfaces = on_root(comm, lambda: contact_surfaces(definition, mesh))  # type: ignore[arg-type]
             self.surfaces = surfaces
             pairs = on_root(comm, coupled, share=False)
-            self.on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs))  # type: ignore[arg-type]
+            machines = comm.allgather(MPI.Get_processor_name())
+            beside = machines.count(machines[0])
+            self.on_disk = on_root(comm, lambda: _factors_on_disk(case, mesh, pairs, beside))  # type: ignore[arg-type]
         why = unsymmetric_because()
         notes = on_root(comm, lambda: model_notes(case, definition, mesh))  # type: ignore[arg-type]
         larger = (f"{LARGER_FACTORS}: {why}",) if why else ()
@@ -252,7 +254,7 @@ class Model:
         }
 
 
-def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
+def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...], ranks: int) -> bool:
     """Tell whether memory is short enough for factors on disk; on rank 0.
 
     Raises:
@@ -260,7 +262,7 @@ def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...]) -> bool:
     """
     nodes = sum(len(pair.coupling.surface.weights) for pair in pairs)
     size = case.components(mesh.dimension)
-    cost = estimate_cost(mesh, case.model.degree, nodes, Amount(), size)
+    cost = estimate_cost(mesh, case.model.degree, nodes, Amount(), size, ranks)
     refuse_too_large(cost)
     return cost.on_disk
 

@@ -82,10 +82,11 @@ FIELDS = {2: 2.0e-6, 3: 6.5e-6}
 DRAWING = {2: 4.0, 3: 6.0}
 PICTURES = {2: 3.0e-5, 3: 4.0e-5}
 # On several processes: operations of the busiest of them for a body, by their number to this power
-# (measured with eight); parts of the work of steps, and behind them, that all share.
+# (measured with eight); part of the operations on full matrices that all share, and of edge
+# factors, local problems and fields that bodies share.
 SPREADING = -0.9
 SHARED_STEPS = 0.75
-SHARED_BEHIND = 0.65
+SHARED_BEHIND = 0.6
 # Growth of sizes within an element of a solid.
 WITHIN = 0.4
 # What makes a model smaller, in the plane and in space.
@@ -143,6 +144,7 @@ class Cost:
         unloaded: steps behind the first one that begin or end without load, where contacts touch or
             part with friction.
         divided: parts that each of those is solved in at most.
+        others: bytes of all processes but the largest.
     """
 
     unknowns: int
@@ -159,6 +161,7 @@ class Cost:
     step: float = 0.0
     unloaded: int = 0
     divided: int = 1
+    others: float = 0.0
 
     @property
     def longest(self) -> float:
@@ -190,9 +193,22 @@ class Cost:
     def beside(self, alone: Cost) -> str:
         """The estimate for several processes beside that for one, in words."""
         return (
-            f"about {_rounded(self.memory / 2**30)} GB for the largest of them and "
+            f"about {_rounded(self.memory / 2**30)} GB for the largest of them, "
+            f"{_rounded((self.memory + self.others) / 2**30)} GB for all, and "
             f"{_duration(self.seconds)}, {self.seconds / alone.seconds:.2g} of that"
         )
+
+    def most_ranks(self, cores: int) -> str:
+        """The number of processes for which this machine has cores and memory, in words.
+
+        Args:
+            cores: of the machine; this is the estimate for one process.
+        """
+        there = machine_memory()
+        if there is None:
+            return f"this machine has {cores} cores"
+        most = min(cores, 1 + int(max(there - self.memory, 0.0) / ALWAYS))
+        return f"{most} fit this machine ({cores} cores, {_rounded(there / 2**30)} GB)"
 
     @property
     def _more(self) -> str:
@@ -239,26 +255,26 @@ def estimate_cost(
     # Process 0 has the matrices of the interface beside its part of a body.
     each_body = zip(entries, bodies, strict=True)
     parts = [PER_ENTRY * own + PER_UNKNOWN[dimension] * n for own, n in each_body]
-    memory = ALWAYS + busiest(parts) + dense
     there = machine_memory()
     on_disk = there is not None and ranks * ALWAYS + sum(parts) + dense > IN_MEMORY * there
     if on_disk:
         dense = _dense_on_disk(mesh, degree, tractions)
-        memory = ALWAYS + PER_UNKNOWN_ON_DISK[dimension] * sum(bodies) + dense
+        parts = [PER_UNKNOWN_ON_DISK[dimension] * n for n in bodies]
+    memory = ALWAYS + busiest(parts) + dense
+    others = (ranks - 1) * ALWAYS + sum(parts) - busiest(parts)
     preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(bodies)
     steps_of_one = 1 - SHARED_STEPS + SHARED_STEPS / ranks
     interface = ORDERS * INTERFACE * tractions**3 * steps_of_one
-    step = (STEP + STEP_SQUARED[dimension] * tractions**2) * steps_of_one
+    step = STEP + STEP_SQUARED[dimension] * tractions**2 * steps_of_one
     unknowns = sum(bodies)
     behind = unknowns * (EDGES[dimension] * amount.stations + FIELDS[dimension] * amount.states)
-    behind += (
-        STATION[dimension] * amount.stations + DRAWING[dimension] + PICTURES[dimension] * unknowns
-    )
+    behind += STATION[dimension] * amount.stations
     behind *= 1 - SHARED_BEHIND + SHARED_BEHIND / min(ranks, len(bodies))
+    behind += DRAWING[dimension] + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + amount.steps * step + behind
     return Cost(
         unknowns, tractions, amount.steps, memory, dense, on_disk, seconds, behind, dimension,
-        amount.stations, step=step,
+        amount.stations, step=step, others=others,
     )  # fmt: skip
 
 
@@ -383,25 +399,25 @@ def _squared_separators(points: Array, cells: Indices, levels: int) -> float:
 
 
 def refuse_too_large(cost: Cost) -> None:
-    """Refuse a run that does not fit into the memory of this machine.
+    """Refuse a run whose processes do not fit into the memory of this machine.
 
     Raises:
         ModelError: says what would fit.
     """
-    there = machine_memory()
-    if there is None or cost.memory <= there:
+    there, needed = machine_memory(), cost.memory + cost.others
+    if there is None or needed <= there:
         return
-    if cost.dense > MOST * cost.memory:
-        left = max(there - (cost.memory - cost.dense), 0.0)
+    if cost.dense > MOST * needed:
+        left = max(there - (needed - cost.dense), 0.0)
         fits = f"{_whole(cost.tractions * math.sqrt(left / cost.dense))} contact tractions"
         proposal = FEWER_TRACTIONS[cost.dimension]
     else:
         power = 1.0 if cost.dimension == 2 else 1 / POWER_IN_SPACE
-        fits = f"{_whole(cost.unknowns * (there / cost.memory) ** power)} unknowns"
+        fits = f"{_whole(cost.unknowns * (there / needed) ** power)} unknowns"
         proposal = PROPOSALS[cost.dimension]
     raise ModelError(
         f"expected a model that fits into the memory of this machine ({_rounded(there / 2**30)} "
-        f"GB), found one that needs about {_rounded(cost.memory / 2**30)} GB ({cost.unknowns} "
+        f"GB), found one that needs about {_rounded(needed / 2**30)} GB ({cost.unknowns} "
         f"unknowns; {cost.tractions} contact tractions, whose full matrices take "
         f"{_rounded(cost.dense / 2**30)} GB). About {fits} would fit: {proposal}"
     )

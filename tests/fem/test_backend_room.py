@@ -75,6 +75,8 @@ def test_a_long_run_on_one_process_is_told_of_the_other_cores(
         monkeypatch.setattr(room, "idle_cores", lambda cores=cores: cores - 1)
         monkeypatch.setattr(cost, "LONG_RUN", long)
         monkeypatch.setattr(cost, "STARTING", 0.0)
+        monkeypatch.setattr(cost, "STEP", 0.0)
+        monkeypatch.setattr(cost, "DRAWING", {2: 0.0})
         told.append(room._advice(case, mesh, history))
     assert "4 cores are there: --ranks 4" in told[0]
     assert told[1:] == ["", ""]
