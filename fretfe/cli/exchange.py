@@ -319,7 +319,7 @@ def export(
         print(write_histories(result, histories, output))
     for history in histories:
         if history.reason:
-            name = f"{history.contact} {history.edge} {history.body}"
+            name = f"{history.contact} {history.edge} {history.body}".rstrip()
             console.print(f"Note: {name}: {history.reason}", markup=False, highlight=False)
     if result.failure is not None:
         console.print(f"Note: the run is not complete: {result.failure}", markup=False)

@@ -27,7 +27,7 @@ from fretfe.decision.assessment import (
 )
 from fretfe.decision.damage import Damage, counted_damage
 from fretfe.decision.end_parts import EndPart, end_parts
-from fretfe.decision.field import EdgeField, edge_field, error_of_tractions
+from fretfe.decision.field import EdgeField, edge_field, edgeless, error_of_tractions
 from fretfe.decision.front_stations import along_fronts, worst_of
 from fretfe.decision.material import FatigueData, fatigue_data
 from fretfe.decision.short_cracks import Arrest, crack_drive, first_length, judge_arrest
@@ -35,6 +35,7 @@ from fretfe.decision.thresholds import critical_length, growth_life, short_lengt
 from fretfe.decision.worst_places import Limits, worst_places
 from fretfe.errors import CaseError, FretfeError
 from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.stress import worst_states
 from fretfe.plugins import PlugIn, plug_ins, what
 from fretfe.results.model import Result
 from fretfe.strength.margins import Margin, result_labels, strength_map
@@ -429,7 +430,10 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
         yield f"the whole contact slides in the cycle, and wear is left out: {names}"
     if unsteady := [each.name for each in result.contacts if not each.steady]:
         yield f"the cycle is not steady: {', '.join(unsteady)}"
-    if any(each.cycles.irregular for contact in result.contacts for each in contact.stations):
+    for each in result.contacts:
+        if reason := edgeless(each):
+            yield f"{each.name}: {reason}"
+    if len(worst_states(result.solution, result.contacts)):
         yield "the loads are irregular: judged are the states through the worst counted cycle"
     if result.backend == "halfplane":
         yield "the bodies are half-planes: what their shape adds to the stress is left out"

@@ -211,9 +211,9 @@ def edge_field(
         states = history.states
     elif states is None:
         states = judged_states(result.solution, result.contacts)
-    place = edge_places(station, states)
+    place = edge_places(contact, station, states)
     if not np.isfinite(place).all():
-        return "its place is not known in all states of the cycle"
+        return "its place is not known in all states of the cycle with contact"
     if history is None and not result.solution.keeps(int(states[0]), int(states[-1])):
         return "the tractions of some states of the cycle are not kept"
     side = Side(number, station.inward, float(np.min(station.inward * place)))
@@ -264,6 +264,15 @@ def _obstacle(result: Result, contact: Contact, station: Station) -> str:
     return ""
 
 
+def edgeless(contact: Contact) -> str:
+    """Reason why a contact has nothing to be judged; empty if it has edges or stations."""
+    if contact.edges:
+        return ""
+    lacks = [contact.lack, *(each.lack for each in contact.stations)]
+    reason = next((each.text for each in lacks if each.text), "it carries no force")
+    return f"no edge or front is known: {reason}"
+
+
 def _pair(result: Result, contact: Contact) -> ContactHistory:
     """A contact, or any of the patches of its pair: all of them have its surface and bodies."""
     return next(each for each in result.solution.contacts if each.pair == contact.pair)
@@ -277,7 +286,7 @@ def _tractions(
     body = isotropic(result.case.bodies[(pair.body1, pair.body2)[side.body]])
     assert body is not None
     own = [each for each in result.contacts if each.pair == contact.pair]
-    ends = np.array([edge_places(each, states) for patch in own for each in patch.stations])
+    ends = np.array([edge_places(patch, each, states) for patch in own for each in patch.stations])
     if history is None:
         patches = [each for each in result.solution.contacts if each.pair == contact.pair]
         values = np.sum([each.mean_traction[states] for each in patches], axis=0)

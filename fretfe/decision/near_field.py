@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.partial_slip import linear_stress
-from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.loaded import loaded
 
 # Parts of each element next to an edge: the pressure has a root.
 PARTS = 12
@@ -58,15 +60,21 @@ class Side:
         return self.inward * arc - self.mouth
 
 
-def edge_places(station: Station, states: Indices) -> Array:
+def edge_places(contact: Contact, station: Station, states: Indices) -> Array:
     """(n,) positions in states, one and the same if they differ by no more than their bar.
 
     It is the outermost one. At a place that the edge has left behind by s the tension has fallen by
-    2 f K_N √s, which counts even of what errors of the position make.
+    2 f K_N √s, which counts even of what errors of the position make. Without contact there are no
+    tractions, and that place will do; NaN where the contact carries and the place is not known.
     """
-    found = np.asarray(station.position[states], dtype=np.float64)
-    if np.ptp(found) <= np.max(station.position_spread[states]):
-        found = np.full_like(found, station.inward * np.min(station.inward * found))
+    found, spread = station.position[states].copy(), station.position_spread[states]
+    carries = loaded(contact.normal_force)[states]
+    if not carries.any():
+        return np.full_like(found, math.nan)
+    outermost = station.inward * np.min(station.inward * found[carries])
+    if np.ptp(found[carries]) <= np.max(spread[carries]):
+        found[carries] = outermost
+    found[~carries] = outermost
     return found
 
 
@@ -163,6 +171,8 @@ def on_nodes(nodes: Array, arc: Array, traction: Array, ends: Array) -> tuple[Ar
         square = np.interp(nodes, places[order], squares[order], left=0.0, right=0.0)
         found[0, state] = np.sqrt(square)
         pressed = p > 0
+        if not pressed.any():
+            continue
         ratio = np.interp(nodes, arc[pressed], q[pressed] / p[pressed])
         found[1, state] = found[0, state] * ratio
     return found[0], found[1]

@@ -55,11 +55,12 @@ def station_fields(
         for each in front.stations
         if not reasons[_key(each)] and (only is None or _key(each) in only)
     ]
+    edges = {_key(each): _edge_places(contact, each, stress) for _, each in posed}
     found = plane_tractions(result.solution, pair, posed, result.case.bodies, stress.states)
     tractions = {
         _key(each): _unsolved(contact, own)
         if isinstance(own, str)
-        else _joined(pair, front, each, own, stress)
+        else _joined(pair, front, each, own, stress, edges[_key(each)])
         for (front, each), own in zip(posed, found, strict=True)
     }
     for station in contact.stations:
@@ -69,7 +70,10 @@ def station_fields(
         if isinstance(own, str):
             yield station, (own, own)
         else:
-            first, second = (_field(result, pair, station, own, stress, body) for body in (0, 1))
+            at = edges[_key(station)]
+            first, second = (
+                _field(result, pair, station, own, stress, at, body) for body in (0, 1)
+            )
             yield station, (first, second)
 
 
@@ -102,8 +106,15 @@ def _lack(station: Station, stress: StationStress) -> str:
     if station.no_edge or not math.isfinite(station.reported_k_n):
         return "K_N is not known: the pressure has no root at this edge, or elements are too large"
     if stress.row(*_key(station)) is None:
-        return "its place is not known in all states of the cycle"
+        return "its place is not known in all states of the cycle with contact"
     return ""
+
+
+def _edge_places(contact: Contact, station: Station, stress: StationStress) -> Array:
+    """(n,) places of the front from the mouth inward, in the states of the stress."""
+    row = stress.row(*_key(station))
+    assert row is not None
+    return edge_places(contact, station, stress.states) - stress.mouths[row]
 
 
 def _unsolved(contact: Contact, reason: str) -> str:
@@ -121,6 +132,7 @@ def _joined(
     station: Station,
     plane: PlaneTractions,
     stress: StationStress,
+    edges: Array,
 ) -> PlaneTractions:
     """Tractions of the plane problem next to the edge, from some elements on those of the nodes.
 
@@ -136,7 +148,6 @@ def _joined(
     places = nodes.by_rows(nodes.s) + ahead
     frame = np.stack([station.frame.inward, station.frame.along], axis=1)
     turned = pair.surface.frames[nodes.nodes, 1:] @ frame
-    edges = edge_places(station, stress.states) - stress.mouths[row]
     half = np.concatenate([[0.0], plane.x, places, beside_edges(edges, plane.x)])
     half = half[(half >= 0) & (half < middle)]
     x = np.unique(np.concatenate([half, 2 * middle - half]))
@@ -144,6 +155,8 @@ def _joined(
     values = np.zeros((len(stress.states), len(x), 3))
     through = zip(stress.states, edges, plane.pressure, plane.shear, strict=True)
     for own, (state, edge, p, q) in zip(values, through, strict=True):
+        if not p.any():  # no contact
+            continue
         local = _with_root(nearer, plane.x, np.column_stack([p, q]), float(edge))
         mean = pair.mean_traction[int(state)][nodes.nodes]
         both = np.column_stack([mean[:, 0], np.einsum("nt,ntk->nk", mean[:, 1:], turned)])
@@ -174,6 +187,7 @@ def _field(
     station: Station,
     tractions: PlaneTractions,
     stress: StationStress,
+    edges: Array,
     number: int,
 ) -> EdgeField | str:
     name = (pair.body1, pair.body2)[number]
@@ -195,6 +209,5 @@ def _field(
         return smooth
     edge = f"{station.front}.{station.number}"
     found = EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth, station.size)
-    edges = edge_places(station, stress.states) - stress.mouths[row]
     surface = found.stress(np.stack([edges, np.zeros_like(edges)], axis=1))
     return pulled_most(found, edges, surface[..., 0].diagonal())

@@ -19,7 +19,13 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Body, isotropic
 from fretfe.decision.distances import elastic_strain
-from fretfe.decision.field import WITHIN_ELEMENT, EdgeField, edge_field, error_of_tractions
+from fretfe.decision.field import (
+    WITHIN_ELEMENT,
+    EdgeField,
+    edge_field,
+    edgeless,
+    error_of_tractions,
+)
 from fretfe.decision.station_field import BothFields, station_fields
 from fretfe.decision.worst_places import error_weights
 from fretfe.errors import CaseError
@@ -58,7 +64,7 @@ class EdgeHistory:
     """Stress below one edge in one body.
 
     Attributes:
-        contact, edge, body: their names.
+        contact, edge, body: their names; of a contact without edges only its own.
         angles, distances: (M,) of the places, in degrees and units of length.
         starts: (M,) of their rays, inward from the outermost place of the edge.
         states: (n,) their numbers.
@@ -113,11 +119,15 @@ def edge_histories(
             f"--depth: expected at most {most:.5g} {result.case.units.length}, to which "
             f"the stress is known, found {max(distances):g}"
         )
-    return tuple(
-        _unknown(name, field)
-        if isinstance(field, str)
-        else _history(result, name, (station, field), turns, steps)
-        for name, station, field in fields
+    lost = [(each.name, reason) for each in result.contacts if (reason := edgeless(each))]
+    return (
+        *(_unknown((name, "", ""), reason) for name, reason in lost),
+        *(
+            _unknown(name, field)
+            if isinstance(field, str)
+            else _history(result, name, (station, field), turns, steps)
+            for name, station, field in fields
+        ),
     )
 
 
@@ -215,8 +225,8 @@ def parameter_table(
     parameters += [fatemi_socie(*numbers)] if numbers else []
     rows = []
     for each in histories:
-        body = isotropic(result.case.bodies[each.body])
-        if body is None or not len(each.distances):
+        body = isotropic(result.case.bodies[each.body]) if len(each.distances) else None
+        if body is None:
             continue
         stress = each.stress[..., [0, 1, 2, 3, 5, 4]]
         strain = elastic_strain(stress, body)

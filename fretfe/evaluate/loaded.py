@@ -38,6 +38,11 @@ def normal_force(contact: ContactHistory) -> Array:
     return np.concatenate(found)
 
 
+def loaded(force: Array) -> Bools:
+    """(T,) states in which a contact carries more of P (T,) than round-off."""
+    return np.asarray(force > NO_LOAD * force.max(initial=0.0))
+
+
 def hardly_loaded(contact: ContactHistory, force: Array) -> Bools:
     """(T,) states in which a contact carries little of P (T,), and in the plane has few nodes."""
     nodes, plane = contact.pressed_nodes, contact.surface.facets is None

@@ -12,6 +12,7 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.contact.recorder import Recorder
 from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.loaded import loaded
 from fretfe.evaluate.stress import ROWS, judged_states, station_depths
 from fretfe.fem.elasticity import stress_pairs
 from fretfe.fem.fields import FieldSource, common_modes
@@ -34,7 +35,7 @@ class _Site:
     Attributes:
         contact: its name.
         bodies: names of body 1 and 2.
-        stations: (S,) those whose place is known in all states.
+        stations: (S,) those whose place is known in all states with contact.
         depths, mouths, places: as of `StationStress`.
         points: (2, D, S, X, 3) in both bodies; NaN beside them.
         axes: (2, S, X, 3, 3) along the surface inward, the outward normal, along the front.
@@ -52,13 +53,14 @@ class _Site:
     @classmethod
     def of(cls, model: Model, contact: Contact, pair: ContactHistory, states: Indices) -> _Site:
         """That of a contact."""
+        carrying = states[loaded(contact.normal_force)[states]]
         stations = tuple(
             each
             for each in contact.stations
-            if not each.no_edge and np.isfinite(each.position[states]).all()
+            if not each.no_edge and np.isfinite(each.position[carrying]).all()
         )
         table = model.case.contacts[contact.pair]
-        mouths = np.array([each.position[states].min() for each in stations])
+        mouths = np.array([each.position[carrying].min() for each in stations])
         # As far to both sides as the stress is looked at in depth.
         depths = np.array([station_depths(each) for each in stations]).reshape(-1, ROWS)
         deepest = depths[:, -1]

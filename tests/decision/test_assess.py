@@ -215,6 +215,9 @@ def test_edges_that_are_not_judged(tmp_path: Path) -> None:
     assert {each.of(Criterion.POINT).reason for each in incomplete.edges} == {
         "the run is not complete"
     }
+    result = solved("halfplane")
+    bare = replace(result, contacts=(replace(result.contacts[0], fronts=()),))
+    assert any("no edge" in each for each in assess(bare, path).remarks)
     round_one = assess(stationed_sphere(), write(tmp_path))
     assert [(each.edge, each.body) for each in round_one.edges] == [
         ("front 1", "upper"), ("front 1", "lower")

@@ -19,7 +19,7 @@ from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case
 from fretfe.decision import field as module
 from fretfe.decision import near_field
-from fretfe.decision.field import EdgeField, edge_field
+from fretfe.decision.field import EdgeField, edge_field, edgeless
 from fretfe.evaluate.stress import BodyStress, StressHistory
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -151,6 +151,19 @@ def test_the_files_alone_will_do(tmp_path: Path) -> None:
     assert one.along(0.3, distances) == pytest.approx(other.along(0.3, distances), abs=1e-6 * P0)
 
 
+def test_states_without_contact_have_no_stress() -> None:
+    """Before the first touch; in others the stress does not depend on which are looked at."""
+    result = solved("halfplane")
+    contact, own = result.contacts[0], field_of(result, 0, 1)
+    whole = edge_field(result, contact, contact.stations[0], 1, np.arange(own.states[-1] + 1))
+    assert isinstance(whole, EdgeField) and contact.normal_force[0] == 0
+    distances = np.array([0.01, 0.1, 0.3])
+    found = whole.along(0.3, distances)
+    assert not found[0].any()
+    # More nodes are put next to more places of the edge.
+    assert found[own.states] == pytest.approx(own.along(0.3, distances), abs=5e-5 * P0)
+
+
 def test_what_is_not_known_has_a_reason() -> None:
     result = solved("halfplane")
     contact, incomplete = result.contacts[0], solved("incomplete")
@@ -164,6 +177,7 @@ def test_what_is_not_known_has_a_reason() -> None:
     assert "K_N" in str(edge_field(result, contact, vague, 0))
     lost = replace(station, position=np.full_like(station.position, np.nan))
     assert "place" in str(edge_field(result, contact, lost, 0))
+    assert edgeless(replace(contact, fronts=())) and not edgeless(contact)
 
 
 def smooth_case(monkeypatch: pytest.MonkeyPatch, depths: Array) -> tuple[Result, StressHistory]:

@@ -63,8 +63,10 @@ def sphere(monkeypatch: pytest.MonkeyPatch) -> Result:
         [exact(each, own.reshape(-1, 2), shear[end]) for end in ends]
         for each, own in zip(stations, points, strict=True)
     ]).reshape(len(stations), 2, *points.shape[1:3], 6)  # fmt: skip
+    # Before there is contact there is no stress.
+    stress = np.concatenate([np.zeros_like(stress[:, :1]), stress], axis=1)
     known = StationStress(
-        "main", depths, first + ends, tuple(each.front for each in stations),
+        "main", depths, np.append(0, first + ends), tuple(each.front for each in stations),
         np.array([each.number for each in stations]),
         np.array([each.position[-1] for each in stations]), places, np.array([stress, stress]),
     )  # fmt: skip
@@ -86,7 +88,7 @@ def test_stress_is_that_of_half_spaces(sphere: Result) -> None:
     for station, (_, field) in station_fields(sphere, sphere.contacts[0]):
         assert isinstance(field, EdgeField), field
         for state, own in zip(field.states, field.stress(points), strict=True):
-            wrong = (own - exact(station, points, shear[state])) / PEAK
+            wrong = (own - (state > 0) * exact(station, points, shear[state])) / PEAK
             assert PEAK * np.abs(wrong).max() < field.smooth.spread < 0.06 * PEAK
             assert np.abs(wrong[above][:, [1, 3]]).max() < 0.025
             assert np.sqrt(np.mean(wrong**2)) < 0.01
@@ -104,4 +106,5 @@ def test_tension_at_the_front(sphere: Result) -> None:
     for station, (_, field) in station_fields(sphere, sphere.contacts[0]):
         assert isinstance(field, EdgeField)
         known = 1 / 3 + shear[field.states] * sheared * station.frame.inward[0]
+        known[field.states == 0] = 0
         assert field.stress(at_edge)[:, 0, 0] / PEAK == pytest.approx(known, abs=0.02)

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import h5py
@@ -95,6 +96,11 @@ def test_numbers_that_are_none(tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="--angle"):
         edge_histories(solved("halfplane"), [0.1], [90.0])
     assert all(each.reason for each in edge_histories(solved("incomplete"), [0.1]))
+    result = solved("halfplane")
+    bare = replace(result, contacts=(replace(result.contacts[0], fronts=()),))
+    (found,) = edge_histories(bare, [0.1])
+    assert found.contact == "main" and "no edge" in found.reason
+    assert not list(parameter_table(bare, [found]).rows)
     with pytest.raises(CaseError, match=r"--depth: expected at most 2\.3\d* mm, .*, found 1000"):
         edge_histories(solved("halfplane"), [0.1, 1e3])
     for each in edge_histories(solved("halfplane"), [0.1, 0.1, 2.32], [0.0, -80.0, 0.0]):

@@ -25,6 +25,7 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import worst_cycle
 from fretfe.evaluate.factors import whole_factor
+from fretfe.evaluate.loaded import loaded, normal_force
 from fretfe.evaluate.plane.slip import INTERVAL, slip_border
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.space.pressure_fit import load_growth
@@ -231,10 +232,13 @@ def plane_tractions(
         states: (n,) wanted, in time order.
 
     Returns:
-        The tractions of each, or the reason why they are not known.
+        The tractions of each, zero without contact, or the reason why they are not known.
     """
-    path = _Path.of(solution, contact)
-    places = [path.places.get(each, path.places.get(int(path.source[each]), -1)) for each in states]
+    path, carries = _Path.of(solution, contact), loaded(normal_force(contact))[states]
+    places = [
+        path.places.get(each, path.places.get(int(path.source[each]), -1))
+        for each in states[carries]
+    ]
     shown = tuple(sorted(set(places)))
     found: list[PlaneTractions | str] = []
     for solved in _solved(path, bodies, stations, solve_batches, shown):
@@ -244,21 +248,27 @@ def plane_tractions(
             found.append("its plane problem is not followed in all states of the cycle")
         else:
             rows = [shown.index(each) for each in places]
-            found.append(_whole(solved[1].tractions, rows))
+            found.append(_whole(solved[1].tractions, rows, carries))
     return found
 
 
-def _whole(tractions: Sequence[Tractions], rows: Sequence[int]) -> PlaneTractions:
+def _whole(tractions: Sequence[Tractions], rows: Sequence[int], carries: Bools) -> PlaneTractions:
     """Tractions in all states at the same nodes, from those next to the edge as it is in each.
 
     All of them reach to the middle of the contact, where its other half begins.
+
+    Args:
+        tractions: in states that differ.
+        rows: (m,) numbers of those in the states with contact.
+        carries: (n,) which of all states these are.
     """
     x = max((each.s for each in tractions), key=lambda s: float(s[-1]))
     count = len(x)
     values = np.zeros((len(tractions), count, 3))
     for own, each in zip(values, tractions, strict=True):
         own[count - len(each.s) :] = np.column_stack([each.pressure, each.shear])
-    whole = np.concatenate([values, values[:, -2::-1]], axis=1)[rows]
+    whole = np.zeros((len(carries), 2 * count - 1, 3))
+    whole[carries] = np.concatenate([values, values[:, -2::-1]], axis=1)[rows]
     x = np.concatenate([x, 2 * x[-1] - x[-2::-1]])
     return PlaneTractions(x, whole[..., 0], whole[..., 1:])
 
@@ -286,13 +296,16 @@ class _Path:
         kept: (n,) states to go through.
         source: (T,) the state that each state is the same as.
         contact: the contact.
-        cycle: first and last state of the evaluated cycle, or None.
+        evaluated: first and last state of the evaluated cycle, or None.
+        cycle: the same if it is repeated: bodies that part at its ends remember nothing, and it is
+            gone through once, up to the last state with contact.
         step_of: the step of the case in which a state lies.
     """
 
     kept: Indices
     source: Indices
     contact: ContactHistory
+    evaluated: tuple[int, int] | None
     cycle: tuple[int, int] | None
     step_of: Callable[[int], int]
 
@@ -303,8 +316,11 @@ class _Path:
         left_out = solution.source != np.arange(len(solution.times))
         left_out[cycles_before(solution)] = True
         left_out[first:] = False
-        kept = np.flatnonzero(~left_out[: last + 1])
-        return cls(kept, solution.source, contact, solution.cycle, solution.step_of)
+        carries = np.flatnonzero(loaded(normal_force(contact))[: last + 1])
+        end = int(carries[-1]) if len(carries) else last
+        cycle = solution.cycle if end == last else None
+        kept = np.flatnonzero(~left_out[: end + 1])
+        return cls(kept, solution.source, contact, solution.cycle, cycle, solution.step_of)
 
     @cached_property
     def first(self) -> int:
@@ -594,7 +610,7 @@ def _pose(
         return "no half cycle can be followed"
     along = replace(station, k_t=station.k_along)
     friction = path.contact.edge_friction(station.places)
-    worst = worst_cycle(station.cycles, cycle_states(path.cycle), friction, along)
+    worst = worst_cycle(station.cycles, cycle_states(path.evaluated), friction, along)
     states = np.arange(len(kept))
     return _Edge(
         station=station,
