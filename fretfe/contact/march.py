@@ -254,9 +254,12 @@ class March:
         """Newton's method from a guess, and without one or where that fails from full stick.
 
         A contact that slides as a whole is likely to go on sliding. For it full stick is a bad
-        start, and one with the most unknowns.
+        start, and one with the most unknowns. A guess without contact is none: next to nothing then
+        resists the loads, and a body may come to rest anywhere.
         """
         reference, spent = state.relative[:, 1:], 0
+        if guess is not None and not guess.closed.any():
+            guess = None
         if guess is None and slides_as_a_whole(state):
             guess = state
         for start in self._starts(guess, state, loads):

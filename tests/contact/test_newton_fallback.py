@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -168,3 +169,16 @@ def test_march_gives_up_after_all_cuts(monkeypatch: pytest.MonkeyPatch) -> None:
     message = rf"step 3 of 4 .*: made to fail .*halving the step {MAX_CUTS} times.*the 2 steps"
     with pytest.raises(ConvergenceError, match=message):
         next(marching)
+
+
+def test_a_guess_without_contact_is_none() -> None:
+    """From there a body whose own stiffness errs by round-off would come to rest anywhere."""
+    interface, loads = under_force(0.5)
+    count = len(interface.stiffness)
+    interface = replace(interface, stiffness=interface.stiffness - 1e-12 * np.eye(count))
+    start = plane(interface, (0.0, 0.0, 0.0))
+    state = unloaded(interface)
+    assert not state.closed.any()
+    result = March(interface).advance(state, start, loads, guess=state)
+    force = interface.roots @ result.state.traction
+    assert np.abs(force) == pytest.approx([0.8, 0.2], rel=1e-6)
