@@ -249,8 +249,12 @@ def estimate_cost(
     work = [n**1.5 for n in grown]
     groups = share_out(work, ranks)
 
+    def spread(of_bodies: Sequence[float]) -> list[tuple[float, int]]:
+        """For each group the share of its busiest process, and how many it has."""
+        return [(sum(of_bodies[each] for each in own) * n**SPREADING, n) for own, n in groups]
+
     def busiest(of_bodies: Sequence[float]) -> float:
-        return max(sum(of_bodies[each] for each in own) * n**SPREADING for own, n in groups)
+        return max(spread(of_bodies))[0]
 
     # Process 0 has the matrices of the interface beside its part of a body.
     each_body = zip(entries, bodies, strict=True)
@@ -261,7 +265,7 @@ def estimate_cost(
         dense = _dense_on_disk(mesh, degree, tractions)
         parts = [PER_UNKNOWN_ON_DISK[dimension] * n for n in bodies]
     memory = ALWAYS + busiest(parts) + dense
-    others = (ranks - 1) * ALWAYS + sum(parts) - busiest(parts)
+    others = (ranks - 1) * ALWAYS + sum(own * n for own, n in spread(parts)) - busiest(parts)
     preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(bodies)
     steps_of_one = 1 - SHARED_STEPS + SHARED_STEPS / ranks
     interface = ORDERS * INTERFACE * tractions**3 * steps_of_one
