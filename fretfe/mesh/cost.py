@@ -266,6 +266,8 @@ def estimate_cost(
         parts = [PER_UNKNOWN_ON_DISK[dimension] * n for n in bodies]
     memory = ALWAYS + busiest(parts) + dense
     others = (ranks - 1) * ALWAYS + sum(own * n for own, n in spread(parts)) - busiest(parts)
+    if on_disk:  # each group has fronts of its own
+        others += (len(groups) - 1) * dense
     preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(bodies)
     steps_of_one = 1 - SHARED_STEPS + SHARED_STEPS / ranks
     interface = ORDERS * INTERFACE * tractions**3 * steps_of_one
