@@ -263,13 +263,14 @@ def _edge(
     body = isotropic(result.case.bodies[name])
     assert body is not None
     arrest, life, place = _worst_arrest(field, data)
-    judgements = [by_tests, _by_arrest(arrest, bars, place)]
+    judgements = [by_tests, _by_arrest(arrest, bars, place, _arrest_steps(arrest, field, data))]
     judgements += _by_distances(field, station, data, body, bars)
     judgements += _by_others(field, station, asked, bars)
     known = None if isinstance(arrest, str) else arrest
     return EdgeAssessment(
         contact.name, station.front, name, station.friction, tuple(judgements), known, life,
         bars.relative, field.smooth.spread, depth=field.reach(0.0), element=field.size,
+        single_steps=field.other is None,
         straight=_straight(station) if contact.solid else math.inf,
     )  # fmt: skip
 
@@ -296,14 +297,20 @@ class _Bars:
         return cls(error_of_tractions(station), field.smooth.spread / amplitude)
 
     def around(
-        self, criterion: Rule, margin: float, place: float = math.nan, weight: float = 1.0
+        self,
+        criterion: Rule,
+        margin: float,
+        place: float = math.nan,
+        weight: float = 1.0,
+        steps: float = 0.0,
     ) -> Judgement:
         """A margin with its interval: of stresses over what is endured, the margin's inverse.
 
-        Of that an absolute error of the stress changes as much times the weight.
+        Of that an absolute error of the stress changes as much times the weight, and extremes
+        between states add what steps do.
         """
         used = 1 / margin
-        bar = math.hypot(self.relative * used, weight * self.absolute)
+        bar = math.hypot(self.relative * used, weight * self.absolute, steps)
         if not math.isfinite(bar):
             return Judgement(criterion, margin, place=place)
         low, high = used + bar, used - bar
@@ -368,12 +375,20 @@ def _life(arrest: Arrest, data: FatigueData) -> float:
     return growth_life(crack.lengths, crack.ranges, data.growth, *data.lengths)
 
 
-def _by_arrest(arrest: Arrest | str, bars: _Bars, place: float) -> Judgement:
+def _arrest_steps(arrest: Arrest | str, field: EdgeField, data: FatigueData) -> float:
+    """Change of the inverse margin by every other state; NaN where these do not tell."""
+    if isinstance(arrest, str) or field.coarser is None:
+        return math.nan
+    coarse, _, _ = _worst_arrest(field.coarser, data)
+    return math.nan if isinstance(coarse, str) else abs(1 / arrest.margin - 1 / coarse.margin)
+
+
+def _by_arrest(arrest: Arrest | str, bars: _Bars, place: float, steps: float) -> Judgement:
     if isinstance(arrest, str):
         return Judgement(Criterion.ARREST, reason=arrest)
     # Cracks that leave what is known before they are nearest to stopping may stop beyond.
-    found = bars.around(Criterion.ARREST, arrest.margin, place)
-    return replace(found, high=bars.around(Criterion.ARREST, arrest.largest).high)
+    found = bars.around(Criterion.ARREST, arrest.margin, place, steps=steps)
+    return replace(found, high=bars.around(Criterion.ARREST, arrest.largest, steps=steps).high)
 
 
 def _by_distances(
@@ -401,7 +416,7 @@ def _by_distances(
             yield Judgement(criterion, reason="fatigue.torsion is not given")
             continue
         margin = 1 / worst.used if worst.used > 0 else math.inf
-        judgement = bars.around(criterion, margin, worst.place, worst.weight)
+        judgement = bars.around(criterion, margin, worst.place, worst.weight, worst.steps)
         # Beyond the outermost place it may be worse.
         low = 0.0 if worst.outermost else judgement.low
         yield replace(judgement, low=low, outermost=worst.outermost)

@@ -44,8 +44,9 @@ class Judgement:
     Attributes:
         criterion: of it.
         margin: factor of all stresses; NaN where unknown, infinite where no factor breaks it.
-        low, high: ends of an interval that holds it: by the bars of the edge and of the stress, of
-            tests by their scatter too; NaN where unknown, 0 below one that is `outermost`.
+        low, high: ends of an interval that holds it: by the bars of the edge and of the stress, and
+            by extremes within steps, of tests by their scatter too; NaN where unknown, 0 below one
+            that is `outermost`.
         place: worst place along the surface, inward from the edge; NaN where it is the edge.
         reason: why the margin is unknown; empty if it is known.
         outermost: whether it is worst at the first or last place that is judged, and so may be less
@@ -93,6 +94,8 @@ class EdgeAssessment:
         element: size of an element at the edge; NaN where the stress is unknown.
         straight: least radius of the front, and distance from its ends, of the stations judged:
             down to depths short against it fields are plane. Infinite in the plane.
+        single_steps: whether P changes in single steps between turns of the loads, within which
+            extremes of stress are unknown: margins have no intervals.
     """
 
     contact: str
@@ -110,6 +113,7 @@ class EdgeAssessment:
     depth: float = math.nan
     element: float = math.nan
     straight: float = math.inf
+    single_steps: bool = False
 
     @property
     def solid(self) -> bool:

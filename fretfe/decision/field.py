@@ -25,7 +25,14 @@ from scipy.special import comb
 
 from fretfe._typing import Array, Indices
 from fretfe.case import isotropic
-from fretfe.decision.near_field import ContactTractions, NearField, Side, edge_places, element_size
+from fretfe.decision.near_field import (
+    ContactTractions,
+    NearField,
+    Side,
+    edge_places,
+    element_size,
+    every_other,
+)
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import SHALLOW, StressHistory, judged_states
 from fretfe.history.solution import ContactHistory
@@ -68,6 +75,10 @@ class SmoothStress:
     def at(self, points: Array) -> Array:
         """(n, M, c) stress at points (M, 2)."""
         return np.asarray(_terms(points / self.scale, self.powers) @ self.values)
+
+    def through(self, some: Indices) -> SmoothStress:
+        """The same through some of the states, by their places among these."""
+        return replace(self, values=self.values[some])
 
     @classmethod
     def of(cls, points: Array, stress: Array, rows: int, power: int) -> SmoothStress | str:
@@ -151,6 +162,7 @@ class EdgeField:
         start: x along the surface where rays start: the mouth, unless another one is set.
         pulled: x of the place that the edge takes when the surface is pulled most there; 0 unless
             that is more than at the mouth.
+        other: places of every other state, as of `every_other`.
     """
 
     contact: str
@@ -163,6 +175,15 @@ class EdgeField:
     size: float = 0.0
     start: float = 0.0
     pulled: float = 0.0
+    other: Indices | None = None
+
+    @property
+    def coarser(self) -> EdgeField | None:
+        """The field through every other state; None if they are too few to tell anything."""
+        if self.other is None:
+            return None
+        near, smooth = self.near.through(self.other), self.smooth.through(self.other)
+        return replace(self, states=self.states[self.other], near=near, smooth=smooth)
 
     @property
     def starts(self) -> tuple[EdgeField, ...]:
@@ -227,7 +248,10 @@ def edge_field(
         return smooth
     body, size = (pair.body1, pair.body2)[number], element_size(pair.surface.arc, side.place)
     finest = _finest(station, size)
-    field = EdgeField(contact.name, station.front, body, states, finest, near, smooth, size)
+    other = every_other(result.solution.values[states], contact.normal_force[states])
+    field = EdgeField(
+        contact.name, station.front, body, states, finest, near, smooth, size, other=other
+    )
     return _pulled(tractions, field, side.x(place)) if judged else field
 
 

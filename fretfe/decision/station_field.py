@@ -19,9 +19,10 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import isotropic
 from fretfe.decision.field import EdgeField, SmoothStress, pulled_most
-from fretfe.decision.near_field import NearField, beside_edges, edge_places
+from fretfe.decision.near_field import NearField, beside_edges, edge_places, every_other
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
+from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
 from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
@@ -208,6 +209,10 @@ def _field(
     if isinstance(smooth, str):
         return smooth
     edge = f"{station.front}.{station.number}"
-    found = EdgeField(pair.pair, edge, name, stress.states, 0.0, near, smooth, station.size)
+    force = normal_force(pair)[stress.states]
+    other = every_other(result.solution.values[stress.states], force)
+    found = EdgeField(
+        pair.pair, edge, name, stress.states, 0.0, near, smooth, station.size, other=other
+    )
     surface = found.stress(np.stack([edges, np.zeros_like(edges)], axis=1))
     return pulled_most(found, edges, surface[..., 0].diagonal())

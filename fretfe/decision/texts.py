@@ -161,7 +161,8 @@ def _place(place: float, unit: str) -> str:
 
 def _sureness(found: Assessment, edge: EdgeAssessment, judgement: Judgement) -> Iterator[str]:
     if math.isnan(judgement.low):
-        yield "error bars of the edge are not known"
+        lack = "extremes within steps" if edge.single_steps else "error bars of the edge"
+        yield f"{lack} are not known"
     elif judgement.criterion is Criterion.TESTS:
         yield "95 % of single parts are in this interval"
         if edge.survival is not None:
@@ -230,6 +231,7 @@ def details(found: Assessment) -> Iterator[str]:
             _within_element(found, edge),
             _damage(edge, found.units.length),
             _outermost(edge, found.units.length),
+            _single_steps(edge),
             _plane(edge, found.units.length),
             _unknown(edge),
         ):
@@ -312,6 +314,15 @@ def _outermost(edge: EdgeAssessment, unit: str) -> Iterator[str]:
         yield (
             f"{', '.join(names)}: worst at the outermost place judged{place}, so the margin is at "
             "most this one, and may be less beyond"
+        )
+
+
+def _single_steps(edge: EdgeAssessment) -> Iterator[str]:
+    """That nothing tells what stress does within steps."""
+    if edge.single_steps:
+        yield (
+            "P changes in single steps between turns of the loads, and stress may be worse within "
+            "them: no interval is known; 2 steps or more each are needed, 8 are better"
         )
 
 

@@ -58,12 +58,14 @@ class WorstPlace:
         place: x along the surface.
         weight: error of `used` by one of the stress, over that of a stress of the size endured.
         outermost: whether it is the first or the last place that is judged.
+        steps: change of `used` by every other state; NaN where these do not tell.
     """
 
     used: float
     place: float
     weight: float
     outermost: bool
+    steps: float
 
 
 def worst_places(field: EdgeField, station: Station, limits: Limits) -> dict[Criterion, WorstPlace]:
@@ -74,13 +76,18 @@ def worst_places(field: EdgeField, station: Station, limits: Limits) -> dict[Cri
     found = _used(field, grid, limits)
     finer = {key: places_around(first, int(np.argmax(found[key][0]))) for key in criteria}
     again = _used(field, finer, limits)
+    places = {key: np.concatenate([grid[key], finer[key]]) for key in criteria}
+    both = {key: np.concatenate([found[key], again[key]], axis=1) for key in criteria}
+    at = {key: int(np.argmax(both[key][0])) for key in criteria}
+    steps = dict.fromkeys(criteria, math.nan)
+    if (coarser := field.coarser) is not None:
+        there = _used(coarser, {key: places[key][[at[key]]] for key in criteria}, limits)
+        steps = {key: abs(float(both[key][0, at[key]] - there[key][0, 0])) for key in criteria}
     worst = {}
     for key in criteria:
-        places = np.concatenate([grid[key], finer[key]])
-        used, weights = np.concatenate([found[key], again[key]], axis=1)
-        at = int(np.argmax(used))
-        outermost = bool(used[at] > 0) and places[at] in (first[0], first[-1])
-        worst[key] = WorstPlace(float(used[at]), float(places[at]), float(weights[at]), outermost)
+        (used, weight), place = both[key][:, at[key]], float(places[key][at[key]])
+        outermost = bool(used > 0) and place in (first[0], first[-1])
+        worst[key] = WorstPlace(float(used), place, float(weight), outermost, steps[key])
     return worst
 
 

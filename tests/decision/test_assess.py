@@ -58,6 +58,7 @@ def pulled(
             states=np.arange(len(tension)),
             near=NearField(np.array([-1.0, 0.0, 1.0]), none, none, 0.3),
             smooth=replace(field.smooth, values=values, spread=spread),
+            other=np.arange(len(tension)),
         )
 
     monkeypatch.setattr(module, "edge_field", uniform)

@@ -81,11 +81,12 @@ def test_tension_at_the_trailing_edge(edge: int, body: int) -> None:
 
 
 @cache
-def drawn_in() -> Result:
-    """P falls to a half, ±Q acts, P rises again: one cycle."""
+def drawn_in(steps: int = 2) -> Result:
+    """P falls to a half, ±Q acts, P rises again in so many steps: one cycle."""
     press = {**TOP, "direction": "y", "history": [
-        {"ramp": -600.0, "until": 1.0, "steps": 2}, {"ramp": -300.0, "until": 2.0, "steps": 4},
-        {"hold": True, "until": 3.0}, {"ramp": -600.0, "until": 4.0, "steps": 2},
+        {"ramp": -600.0, "until": 1.0, "steps": 2},
+        {"ramp": -300.0, "until": 2.0, "steps": 2 * steps},
+        {"hold": True, "until": 3.0}, {"ramp": -600.0, "until": 4.0, "steps": steps},
     ]}  # fmt: skip
     shear = {**TOP, "direction": "x", "history": [
         {"hold": True, "until": 2.0}, {"ramp": 60.0, "until": 2.25, "steps": 4},

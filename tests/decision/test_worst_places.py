@@ -6,8 +6,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from cases.stored_runs import solved
+from decision.test_field import drawn_in, field_of
 
-from fretfe.case import isotropic
+from fretfe.case import Body, isotropic
 from fretfe.decision.assessment import Criterion
 from fretfe.decision.distances import elastic_strain, mean_stress
 from fretfe.decision.endurance import ShearAndPressure, crossland, dang_van
@@ -45,3 +46,16 @@ def test_the_worst_lies_between_the_places_of_a_grid(length: float) -> None:
         # A twelfth of a critical distance; places a third of it apart miss up to 1.1 %.
         assert found[key].used == pytest.approx(every.max(), rel=5e-4)
         assert not found[key].outermost
+
+
+def test_extremes_within_steps_are_in_the_bar() -> None:
+    """Of a moving edge, with 8 times as many steps; P that changes in one step has no bar."""
+    limits = Limits(FatigueLimit(2 * TENSION, -1.0), TORSION, Body(young=210e3, poisson=0.3), 0.03)
+    coarse, fine, single = (
+        worst_places(field_of(each, 0, 1), each.contacts[0].edges[0], limits)
+        for each in map(drawn_in, (2, 16, 1))
+    )
+    for key, each in coarse.items():
+        assert abs(each.used - fine[key].used) <= each.steps + 1e-3 * each.used
+        assert fine[key].steps <= max(each.steps, 0.01 * each.used)
+        assert np.isnan(single[key].steps)
