@@ -546,6 +546,14 @@ class Station(StationHistory):
         return self.point + self.position[:, None] * self.frame.inward
 
     @property
+    def reversals(self) -> Array:
+        """(2, n) K_T at both reversals of the counted cycles, which may lie within steps."""
+        cycles = self.cycles
+        way = self.k_along[cycles.end] - self.k_along[cycles.start]
+        half = np.copysign(cycles.k_t_range / 2, way)
+        return np.array([cycles.k_t_mean - half, cycles.k_t_mean + half])
+
+    @property
     def range_error(self) -> float:
         """Error bar of the range of (K_T, K_S) over it; 0 without any."""
         return self.k_range_spread / self.k_range if self.k_range > 0 else 0.0

@@ -353,9 +353,9 @@ CYCLES = (
         "k_t_start",
         "k_t",
         "K_T at the first reversal; with K_S along k_angle",
-        lambda _, s: s.k_along[s.cycles.start],
+        lambda _, s: s.reversals[0],
     ),
-    Column("k_t_end", "k_t", "K_T at the second reversal", lambda _, s: s.k_along[s.cycles.end]),
+    Column("k_t_end", "k_t", "K_T at the second reversal", lambda _, s: s.reversals[1]),
     *map(_of_cycles, ("k_t_range", "k_t_mean", "slip")),
     Column(
         "worst",

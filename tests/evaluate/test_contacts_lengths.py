@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Lengths of slip zones that stand alone for a station, and those that have no formula."""
+"""Lengths of slip zones that stand alone for a station or have no formula; reversals of K_T."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from cases.solid_runs import stationed_sphere
+from cases.stored_runs import solved
 
 from fretfe.evaluate.contacts import Front, SlipZone, Station, without_formulas
 from fretfe.evaluate.verdicts import longest_verdict
@@ -74,3 +75,14 @@ def test_nothing_is_predicted_where_k_turns(station: Station) -> None:
     assert row["slip"] == 0.2
     assert longest_verdict(turning).reason.startswith("the direction of K_T and K_S turns")
     assert without_formulas(station) is station
+
+
+def test_reversals_are_those_of_range_and_mean() -> None:
+    """K_T of the states where these are ends of steps; half the range about the mean within."""
+    station = solved("halfplane").contacts[0].stations[1]
+    cycles = station.cycles
+    ends = np.array([station.k_along[cycles.start], station.k_along[cycles.end]])
+    assert station.reversals == pytest.approx(ends)
+    within = replace(station, cycles=replace(cycles, k_t_range=1.5 * cycles.k_t_range))
+    assert np.abs(np.diff(within.reversals, axis=0)[0]) == pytest.approx(1.5 * cycles.k_t_range)
+    assert within.reversals.mean(axis=0) == pytest.approx(cycles.k_t_mean)

@@ -330,7 +330,7 @@ def _histogram(axes: Axes, cycles: CountedCycles) -> None:
 
 def _matrix(figure: Figure, axes: Axes, edge: Station) -> None:
     cycles = edge.cycles
-    begin, end = edge.k_along[cycles.start], edge.k_along[cycles.end]
+    begin, end = edge.reversals
     limits = (min(begin.min(), end.min()), max(begin.max(), end.max()))
     counts, rows, columns = np.histogram2d(
         begin, end, CLASSES, (limits, limits), weights=cycles.count
