@@ -182,4 +182,4 @@ def test_a_contact_without_known_places_has_no_stress(solved: Result, tmp_path: 
     )  # fmt: skip
     write_station_stress(tmp_path / STATION_STRESSES, [none])
     for _, fields in station_fields(replace(solved, directory=tmp_path), solved.contacts[0]):
-        assert fields == ("its place is not known in all states of the cycle",) * 2
+        assert fields == ("its place is not known in all states of the cycle with contact",) * 2
