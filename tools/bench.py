@@ -286,16 +286,11 @@ def run_as_rank(notes: Path, words: Sequence[str]) -> None:
         (notes / f"{os.getpid()}").write_text(json.dumps(asdict(own)))
 
 
-def run(name: str, ranks: int = 1) -> Run:
-    """The shortest of some runs of a case."""
+@cache
+def run(name: str, ranks: int) -> Run:
+    """The shortest of some runs of a case; once for all tables."""
     runs = (run_once(case_file(name), ranks) for _ in range(count_of(name)))
     return min(runs, key=lambda each: each.whole.wall)
-
-
-@cache
-def run_alone(name: str) -> Run:
-    """`run` on one rank, once for all tables."""
-    return run(name)
 
 
 def in_a_process(path: Path, count: int) -> dict[str, Any]:
@@ -320,8 +315,8 @@ def measured(name: str) -> dict[str, Any]:
 def rows_of_run(name: str) -> Iterator[Row]:
     """A whole run over one factorisation, and its memory beside what was estimated."""
     # The whole run first: it compiles what is not compiled yet.
-    run_alone(name)
-    found, whole = measured(name), run_alone(name).whole
+    run(name, 1)
+    found, whole = measured(name), run(name, 1).whole
     checked = subprocess.run(
         [BIN / "fretfe", "check", case_file(name)], capture_output=True, text=True, check=True
     )
@@ -402,10 +397,20 @@ def phase_of(line: str) -> str | None:
     return re.sub(r"(: (state )?\d+ of \d+|, \d+ unknowns)$", "", line.removesuffix(" ...\n"))
 
 
+def rows_of_phases_on_ranks(name: str, ranks: int) -> Iterator[Row]:
+    """Seconds of each phase on some ranks, and over those of one rank."""
+    one, each = run(name, 1).seconds, run(name, ranks).seconds
+    phases = ((each.get(phase, 0.0), one.get(phase, 0.0)) for phase in PHASES)
+    yield (
+        f"{ranks}",
+        *(f"{now:.2f} ({now / alone:.2f})" if alone else f"{now:.2f}" for now, alone in phases),
+    )
+
+
 def rows_of_ranks(name: str, ranks: int) -> Iterator[Row]:
     """Wall time over that of one rank, processor time, and memory of the largest rank."""
-    factorisation, one = measured(name)["factorisation"], run_alone(name)
-    each = one if ranks == 1 else run(name, ranks)
+    factorisation, one = measured(name)["factorisation"], run(name, 1)
+    each = run(name, ranks)
     yield (
         f"{ranks}",
         f"{each.whole.wall:.1f}",
@@ -491,11 +496,11 @@ def by_case(
     return ((name, partial(rows, name)) for name in names if name in cases)
 
 
-def by_ranks(cases: Sequence[str]) -> Iterator[Part]:
+def by_ranks(rows: Callable[[str, int], Iterable[Row]], cases: Sequence[str]) -> Iterator[Part]:
     """A row for each case and number of ranks."""
     for name in BY_RANKS:
         if name in cases:
-            yield from ((name, partial(rows_of_ranks, name, ranks)) for ranks in RANKS)
+            yield from ((name, partial(rows, name, ranks)) for ranks in RANKS)
 
 
 TABLES: dict[str, Table] = {
@@ -521,7 +526,10 @@ TABLES: dict[str, Table] = {
             *("case", "ranks", "whole run, s", "of 1 rank", "processor, s"),
             *("over one factorisation", "of the busiest rank, s", "GB of the largest"),
         ),
-        by_ranks,
+        partial(by_ranks, rows_of_ranks),
+    ),
+    "phases on ranks": Table(
+        ("case", "ranks", *PHASES), partial(by_ranks, rows_of_phases_on_ranks)
     ),
     "commands": Table(
         ("command", "wall, s", "processor, s", "over DOLFINx alone"),
