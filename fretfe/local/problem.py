@@ -62,8 +62,8 @@ UNSETTLED = (
 )
 # Shear over that of sliding, times which an edge has gone all of the way that sliding moves it.
 FARTHER = 3.0
-# Edges that are marched together at most: more are shared out among ranks, and need more memory.
-TOGETHER = 20
+# Edges that are marched together at most: with more all wait for the slowest, on other ranks too.
+TOGETHER = 6
 # Nodes of a grid behind those that an edge travels over: their elements grow.
 GROWN = 35
 
