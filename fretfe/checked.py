@@ -25,7 +25,7 @@ from fretfe.case import Case, case_notes, stiffness_doubts
 from fretfe.contact.march import MOST_PARTS
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, most_added
-from fretfe.mesh.cost import Amount, Cost, estimate_cost, finer_model
+from fretfe.mesh.cost import Amount, BodySizes, Cost, estimate_cost, finer_model
 from fretfe.mesh.load import size_key
 from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.surface.checks import load_mesh
@@ -83,6 +83,16 @@ class Checked:
         """Estimate of memory and time on one process, of the first mesh if it refines itself."""
         return self.cost_on(1)
 
+    def most_ranks(self, cores: int) -> int:
+        """Largest number of processes for which so many cores and this machine's memory suffice."""
+        fitting = (ranks for ranks in range(cores, 0, -1) if self.cost_on(ranks).fits)
+        return next(fitting, 0)
+
+    @cached_property
+    def _sizes(self) -> BodySizes:
+        degree, components = self.case.model.degree, self.definition.components
+        return BodySizes.of(self.mesh, degree, components)
+
     def cost_on(self, ranks: int) -> Cost:
         """The same on several processes."""
         nodes = sum(len(pair.coupling.surface.weights) for pair in self.pairs)
@@ -95,9 +105,7 @@ class Checked:
         fronts = len(self.pairs) * (2 if plane or self.case.geometry.solid else 1.5)
         stations = round(fronts * (1 if plane else along))
         states = _field_states(self.case, steps, len(self.history.times) - 1)
-        size = self.definition.components
-        amount, degree = Amount(steps, stations, states), self.case.model.degree
-        found = estimate_cost(self.mesh, degree, nodes, amount, size, ranks)
+        found = estimate_cost(self._sizes, nodes, Amount(steps, stations, states), ranks)
         added, unloaded = (
             steps - (len(self.history.times) - 1),
             unloaded_steps(self.case, self.history),

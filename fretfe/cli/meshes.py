@@ -163,8 +163,11 @@ def _print_on_ranks(checked: Checked, asked: int | None) -> None:
     alone, ranks = checked.cost, asked or idle_cores() + 1
     several = checked.cost_on(ranks)
     if ranks > 1 and (asked or several.pays_beside(alone)):
-        fits = f"; {alone.most_ranks(idle_cores() + 1)}" if asked else ""
-        print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}{fits}")
+        print(f"On {ranks} processes (run --ranks {ranks}): {several.beside(alone)}")
+    if asked:
+        cores = idle_cores() + 1
+        most = checked.most_ranks(cores)
+        print(f"This machine has {cores} cores, and memory for {most or 'no'} processes on them")
 
 
 MESH_EXAMPLES = examples("fretfe mesh pad.toml -o pad.msh")

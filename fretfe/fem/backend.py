@@ -34,7 +34,7 @@ from fretfe.fem.refine import refine
 from fretfe.fem.run import load_history, solve, solve_prepared
 from fretfe.fem.timing import Clock
 from fretfe.loads import History, build_history
-from fretfe.mesh.cost import Amount, estimate_cost
+from fretfe.mesh.cost import Amount, BodySizes, estimate_cost
 from fretfe.mesh.mesh import Mesh, count_unknowns
 from fretfe.results.model import Result
 from fretfe.surface.checks import load_mesh
@@ -216,8 +216,8 @@ def _advice(case: Case, mesh: Mesh, history: History) -> str:
     ranks, amount = idle_cores() + 1, Amount(len(history.times) - 1)
     if MPI.COMM_WORLD.size > 1 or ranks == 1:
         return ""
-    arguments = mesh, case.model.degree, 0, amount, case.components(mesh.dimension)
-    several, alone = estimate_cost(*arguments, ranks=ranks), estimate_cost(*arguments)
+    bodies = BodySizes.of(mesh, case.model.degree, case.components(mesh.dimension))
+    several, alone = (estimate_cost(bodies, 0, amount, n) for n in (ranks, 1))
     if not several.pays_beside(alone):
         return ""
     return (

@@ -40,7 +40,7 @@ from fretfe.fem.reduction import ReducedBody, build_interface, weighted_operator
 from fretfe.fem.timing import Clock
 from fretfe.loads import History
 from fretfe.loads.friction import read_coefficients
-from fretfe.mesh.cost import Amount, estimate_cost, refuse_too_large
+from fretfe.mesh.cost import Amount, BodySizes, estimate_cost, refuse_too_large
 from fretfe.mesh.mesh import BodyMesh, Mesh, body_unknowns
 from fretfe.surface.checks import load_mesh
 from fretfe.surface.friction import Friction
@@ -261,8 +261,8 @@ def _factors_on_disk(case: Case, mesh: Mesh, pairs: tuple[Pair, ...], ranks: int
         ModelError: if the model cannot fit into memory even then.
     """
     nodes = sum(len(pair.coupling.surface.weights) for pair in pairs)
-    size = case.components(mesh.dimension)
-    cost = estimate_cost(mesh, case.model.degree, nodes, Amount(), size, ranks)
+    bodies = BodySizes.of(mesh, case.model.degree, case.components(mesh.dimension))
+    cost = estimate_cost(bodies, nodes, Amount(), ranks)
     refuse_too_large(cost)
     return cost.on_disk
 

@@ -198,17 +198,11 @@ class Cost:
             f"{_duration(self.seconds)}, {self.seconds / alone.seconds:.2g} of that"
         )
 
-    def most_ranks(self, cores: int) -> str:
-        """The number of processes for which this machine has cores and memory, in words.
-
-        Args:
-            cores: of the machine; this is the estimate for one process.
-        """
+    @property
+    def fits(self) -> bool:
+        """True if all processes fit into the memory of this machine."""
         there = machine_memory()
-        if there is None:
-            return f"this machine has {cores} cores"
-        most = min(cores, 1 + int(max(there - self.memory, 0.0) / ALWAYS))
-        return f"{most} fit this machine ({cores} cores, {_rounded(there / 2**30)} GB)"
+        return there is None or self.memory + self.others <= there
 
     @property
     def _more(self) -> str:
@@ -222,30 +216,52 @@ class Cost:
         )
 
 
-def estimate_cost(
-    mesh: Mesh,
-    degree: int,
-    nodes: int,
-    amount: Amount,
-    components: int | None = None,
-    ranks: int = 1,
-) -> Cost:
+@dataclass(frozen=True)
+class BodySizes:
+    """The sizes of the bodies of a mesh, one after the other, by which costs are estimated.
+
+    Attributes:
+        dimension: 2 or 3.
+        components: of displacements and tractions.
+        unknowns: displacements.
+        entries: of the symmetric factors.
+        separators: unknowns that separate the halves of a body.
+    """
+
+    dimension: int
+    components: int
+    unknowns: tuple[int, ...]
+    entries: tuple[float, ...]
+    separators: tuple[float, ...]
+
+    @classmethod
+    def of(cls, mesh: Mesh, degree: int, components: int | None = None) -> BodySizes:
+        """Those of a mesh.
+
+        Args:
+            mesh: of all bodies.
+            degree: of the displacements.
+            components: without it as many as coordinates.
+        """
+        size, bodies = components or mesh.dimension, tuple(mesh.bodies.values())
+        unknowns = tuple(body_unknowns(body, degree, size) for body in bodies)
+        found = tuple(_factor_size(body, degree, size) for body in bodies)
+        entries, separators = zip(*found, strict=True)
+        return cls(mesh.dimension, size, unknowns, entries, separators)
+
+
+def estimate_cost(bodies: BodySizes, nodes: int, amount: Amount, ranks: int = 1) -> Cost:
     """Estimate memory and time of a case.
 
     Args:
-        mesh: of all bodies.
-        degree: of the displacements.
+        bodies: their sizes.
         nodes: multiplier nodes of all contacts.
         amount: of what is solved and written with it.
-        components: of displacements and tractions; without it as many as coordinates.
         ranks: processes, on cores of their own.
     """
-    dimension, size = mesh.dimension, components or mesh.dimension
-    bodies = [body_unknowns(body, degree, size) for body in mesh.bodies.values()]
-    tractions = size * nodes
-    entries = [_factor_entries(body, degree, size) for body in mesh.bodies.values()]
+    dimension, tractions = bodies.dimension, bodies.components * nodes
     dense = 8.0 * MATRICES[dimension] * tractions**2
-    grown = bodies if dimension == 2 else entries
+    grown = bodies.unknowns if dimension == 2 else bodies.entries
     work = [n**1.5 for n in grown]
     groups = share_out(work, ranks)
 
@@ -257,25 +273,27 @@ def estimate_cost(
         return max(spread(of_bodies))[0]
 
     # Process 0 has the matrices of the interface beside its part of a body.
-    each_body = zip(entries, bodies, strict=True)
+    each_body = zip(bodies.entries, bodies.unknowns, strict=True)
     parts = [PER_ENTRY * own + PER_UNKNOWN[dimension] * n for own, n in each_body]
-    there = machine_memory()
+    there, condensing = machine_memory(), [0.0]
     on_disk = there is not None and ranks * ALWAYS + sum(parts) + dense > IN_MEMORY * there
     if on_disk:
-        dense = _dense_on_disk(mesh, degree, tractions)
-        parts = [PER_UNKNOWN_ON_DISK[dimension] * n for n in bodies]
+        condensing = [_condensing_on_disk(bodies, own, tractions) for own, _ in groups]
+        dense = max(*condensing, 8.0 * MATRICES_ON_DISK * tractions**2)
+        parts = [PER_UNKNOWN_ON_DISK[dimension] * n for n in bodies.unknowns]
     memory = ALWAYS + busiest(parts) + dense
     others = (ranks - 1) * ALWAYS + sum(own * n for own, n in spread(parts)) - busiest(parts)
-    if on_disk:  # each group has fronts of its own
-        others += (len(groups) - 1) * dense
-    preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(bodies)
+    others += max(sum(condensing) - dense, 0.0)
+    preparation = FACTORISING[dimension] * busiest(work) + ASSEMBLING[dimension] * busiest(
+        bodies.unknowns
+    )
     steps_of_one = 1 - SHARED_STEPS + SHARED_STEPS / ranks
     interface = ORDERS * INTERFACE * tractions**3 * steps_of_one
     step = STEP + STEP_SQUARED[dimension] * tractions**2 * steps_of_one
-    unknowns = sum(bodies)
+    unknowns = sum(bodies.unknowns)
     behind = unknowns * (EDGES[dimension] * amount.stations + FIELDS[dimension] * amount.states)
     behind += STATION[dimension] * amount.stations
-    behind *= 1 - SHARED_BEHIND + SHARED_BEHIND / min(ranks, len(bodies))
+    behind *= 1 - SHARED_BEHIND + SHARED_BEHIND / min(ranks, len(bodies.unknowns))
     behind += DRAWING[dimension] + PICTURES[dimension] * unknowns
     seconds = STARTING + preparation + interface + amount.steps * step + behind
     return Cost(
@@ -335,22 +353,11 @@ def _more(lengths: Array, sizes: tuple[float, float], power: int) -> tuple[float
     return float(np.mean((lengths[:, None] / shorter) ** power)), len(lengths)
 
 
-def _dense_on_disk(mesh: Mesh, degree: int, tractions: int) -> float:
-    """Bytes of the full matrices with factors on disk: most in the steps, or in the last body."""
-    full = 8.0 * tractions**2
-    last = max(_last_front(body, degree, tractions) for body in mesh.bodies.values())
+def _condensing_on_disk(bodies: BodySizes, group: Sequence[int], tractions: int) -> float:
+    """Bytes of full matrices while the last body of a group is condensed with factors on disk."""
     # Halves of the bodies before, the complement of this one, and its last fronts.
-    condensing = full * (len(mesh.bodies) + 1) / 2 + 8.0 * FRONTS * last**2
-    return max(condensing, full * MATRICES_ON_DISK)
-
-
-def _last_front(body: BodyMesh, degree: int, tractions: int) -> float:
-    """Unknowns of the last front of a body: those that separate its halves, and the tractions."""
-    if body.points.shape[1] == 2:
-        return float(tractions)
-    corners = body.cells[:, : CORNERS[body.cell]]
-    nodes = math.sqrt(_squared_separators(body.points, corners, 1))
-    return tractions + 3 * PER_CORNER[degree] * nodes
+    last = tractions + max(bodies.separators[number] for number in group)
+    return 8.0 * tractions**2 * (len(group) + 1) / 2 + 8.0 * FRONTS * last**2
 
 
 def least_memory(elements: float, dimension: int) -> float:
@@ -368,22 +375,23 @@ def least_memory(elements: float, dimension: int) -> float:
     return ALWAYS + 2 * PER_ENTRY * entries + PER_UNKNOWN[dimension] * unknowns
 
 
-def _factor_entries(body: BodyMesh, degree: int, components: int) -> float:
-    """Entries of the symmetric factor of a body, for displacements of so many components."""
+def _factor_size(body: BodyMesh, degree: int, components: int) -> tuple[float, float]:
+    """Entries of the symmetric factor of a body, and unknowns that separate its halves."""
     if body.points.shape[1] == 2:
         # Blocks of a pair of nodes: as in the plane, with the square of the components.
-        return _plane_entries(body_unknowns(body, degree)) * (components / 2) ** 2
-    corners = body.cells[:, : CORNERS[body.cell]]
-    separators = (3 * PER_CORNER[degree]) ** 2 * _squared_separators(body.points, corners, LEVELS)
-    return PER_SQUARE * separators + REST * body_unknowns(body, degree)
+        return _plane_entries(body_unknowns(body, degree)) * (components / 2) ** 2, 0.0
+    corners, nodes = body.cells[:, : CORNERS[body.cell]], 3 * PER_CORNER[degree]
+    first, more = _squared_separators(body.points, corners, LEVELS)
+    entries = PER_SQUARE * nodes**2 * (first**2 + more) + REST * body_unknowns(body, degree)
+    return entries, nodes * first
 
 
 def _plane_entries(unknowns: float) -> float:
     return unknowns * max(ENTRIES * math.log2(unknowns) - FEWER, FEWEST)
 
 
-def _squared_separators(points: Array, cells: Indices, levels: int) -> float:
-    """Sum of the squared numbers of nodes that separate the halves of cells, those of halves, ...
+def _squared_separators(points: Array, cells: Indices, levels: int) -> tuple[int, int]:
+    """Number of nodes that separate the halves of cells; sum of its squares for halves of halves...
 
     Args:
         points: (n, d).
@@ -391,7 +399,7 @@ def _squared_separators(points: Array, cells: Indices, levels: int) -> float:
         levels: of halves.
     """
     if levels == 0 or len(cells) < 2:
-        return 0.0
+        return 0, 0
     middles = points[cells].mean(axis=1)
     halves = []
     for middle in middles.T:
@@ -400,8 +408,8 @@ def _squared_separators(points: Array, cells: Indices, levels: int) -> float:
         both[0, cells[first]] = both[1, cells[~first]] = True
         halves.append((int(np.count_nonzero(both.all(axis=0))), first))
     count, first = min(halves, key=lambda half: half[0])
-    parts = (_squared_separators(points, cells[each], levels - 1) for each in (first, ~first))
-    return count**2 + sum(parts)
+    parts = [_squared_separators(points, cells[each], levels - 1) for each in (first, ~first)]
+    return count, sum(own**2 + more for own, more in parts)
 
 
 def refuse_too_large(cost: Cost) -> None:
@@ -411,7 +419,7 @@ def refuse_too_large(cost: Cost) -> None:
         ModelError: says what would fit.
     """
     there, needed = machine_memory(), cost.memory + cost.others
-    if there is None or needed <= there:
+    if there is None or cost.fits:
         return
     if cost.dense > MOST * needed:
         left = max(there - (needed - cost.dense), 0.0)
