@@ -121,12 +121,12 @@ class Runner:
             mesh: gives the mesh of the case on the first process, if it is there already.
 
         Returns:
-            The result with its `failure`, if there is one, its `faults`, and the wall time of
-            writing.
+            The result with its `failure`, if any, its `faults`, and the wall time of writing.
 
         Raises:
             FretfeError: for whatever keeps the history from being started.
         """
+        output = None if self.processes.idle else output  # process 0 has the folder
         with collecting(output) as collected:
             result = self._run(case, output, observer, resume, mesh)
             result = replace(result, faults=self._all_faults(result, collected))

@@ -20,6 +20,7 @@ from fretfe.evaluate.factors import FactorHistories
 from fretfe.evaluate.loaded import hardly_loaded, normal_force
 from fretfe.evaluate.numerics import count_up, most_loaded
 from fretfe.history.solution import ContactHistory, Factor, Solution
+from fretfe.loads.history import CLOSED
 
 Cycle = tuple[int, int] | None
 # From the states of an interval of contact, and the cycle as counted in it, to (states, ...)
@@ -208,7 +209,31 @@ def add_up(
     increments = _mean_of_ends(units, steps)
     increments[~steps.any(axis=1) | ~(touching[1:] | touching[:-1])] = 0.0
     increments[~friction[1:], :, 0 if unlike else Factor.K_T :] = 0.0
+    if cycle is not None and _repeats(drivers, friction & touching, cycle):
+        own = slice(*cycle)
+        increments[own] = _without_drift(increments[own])
     return count_up(increments, cycle).swapaxes(0, 1)
+
+
+def _repeats(drivers: Array, rubs: Bools, cycle: tuple[int, int]) -> bool:
+    """True if all drivers (T, J) return in a cycle in which bodies touch with friction (T,)."""
+    first, last = cycle
+    change = np.abs(drivers[last] - drivers[first])
+    returns = np.all(change <= CLOSED * np.abs(drivers[first : last + 1]).max(axis=0))
+    return bool(last > first and returns and rubs[first + 1 : last + 1].all())
+
+
+def _without_drift(increments: Array) -> Array:
+    """(n, stations, d) what the steps of a cycle add, so that factors return with the loads.
+
+    Increments at an edge that moves do not add up to zero along a loop of P and Q. What is left
+    over is taken out of the steps in which the edge moves, as far as P changes K_I in each.
+    """
+    moved = np.abs(increments[..., Factor.K_I])
+    whole = moved.sum(axis=0)
+    shares = moved / np.where(whole > 0, whole, 1.0)
+    drift = increments.sum(axis=0)
+    return np.asarray(increments - shares[..., None] * np.where(np.isfinite(drift), drift, 0.0))
 
 
 def _mean_of_ends(units: Array, steps: Array) -> Array:

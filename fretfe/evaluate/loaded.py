@@ -8,6 +8,7 @@ with what lies outside in the error bar of the range.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -19,6 +20,8 @@ from fretfe.evaluate.slip import SMALLEST_SLIP, slip_in_steps
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 
+# First and last state of runs of states.
+Runs = list[tuple[int, int]]
 # Part of the largest P up to which a state whose contact has too few nodes is left out.
 SMALL_LOAD = 0.1
 # Part of the largest P up to which the last state of a history does not count as loaded.
@@ -33,8 +36,13 @@ GROWTH = 0.75
 
 def normal_force(contact: ContactHistory) -> Array:
     """(T,) P of a contact, by the means of the pressure around its nodes."""
+    return _resultant(contact, 0)
+
+
+def _resultant(contact: ContactHistory, component: int) -> Array:
+    """(T,) a component of the force of a contact."""
     states = blocks(len(contact.mean_traction), contact.mean_traction[0].size)
-    found = [contact.mean_traction[each, :, 0] @ contact.surface.weights for each in states]
+    found = [contact.mean_traction[each, :, component] @ contact.surface.weights for each in states]
     return np.concatenate(found)
 
 
@@ -101,26 +109,61 @@ def pressed_state(solution: Solution, contact: ContactHistory) -> int:
 def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
     """The solution with the part of its cycle in which a plane contact has edges as its cycle.
 
-    That is the run of such states that has the largest P. One of several patches must begin and end
-    it with little of that: what it is before it merges, or after it parts, may have any range.
+    Of several runs of such states, between which the contact opens, it is that in which the shear
+    force swings most, of those that reach half of the largest P. One of several patches must begin
+    and end it with little of that: what it is before it merges, or after it parts, may have any
+    range.
     """
     if solution.cycle is None:
         return solution
     first, last = solution.cycle
-    force = normal_force(contact)
-    runs = np.flatnonzero(
-        np.diff(_with_edges(contact, force, first, last), prepend=False, append=False)
-    )
-    if not len(runs):
+    force, runs = normal_force(contact), loaded_runs(solution, contact)
+    if not runs:
         return solution
-    heaviest = most_loaded(force, np.arange(first, last + 1)) - first
-    begin, end = next(pair for pair in runs.reshape(-1, 2) if pair[0] <= heaviest < pair[1])
-    own = (first + int(begin), first + int(end) - 1)
+    shear, pressed = _resultant(contact, 1), [force[begin : end + 1].max() for begin, end in runs]
+    heavy = [run for run, each in zip(runs, pressed, strict=True) if 2 * each >= max(pressed)]
+    widest = _largest(heavy, [np.ptp(shear[begin : end + 1]) for begin, end in heavy])
+    own = _largest(widest, [force[begin : end + 1].max() for begin, end in widest])[-1]
     beside = [mine for mine, whole in zip(own, (first, last), strict=True) if mine != whole]
     cut = contact.node_range is not None and force[beside].max(initial=0.0) > (
         SMALL_LOAD * force[first : last + 1].max()
     )
     return solution if cut or own[0] == own[1] else replace(solution, cycle=own)
+
+
+def _largest(runs: Runs, values: Sequence[float]) -> Runs:
+    """Those of some runs of states at which a value is largest."""
+    least = (1 - EQUAL_LOADS) * max(values)
+    return [run for run, value in zip(runs, values, strict=True) if value >= least]
+
+
+def loaded_runs(solution: Solution, contact: ContactHistory) -> Runs:
+    """First and last state of each run of states of the cycle in which a contact has edges."""
+    assert solution.cycle is not None
+    first, last = solution.cycle
+    inside = _with_edges(contact, normal_force(contact), first, last)
+    ends = np.flatnonzero(np.diff(inside, prepend=False, append=False)).reshape(-1, 2)
+    return [(first + int(begin), first + int(end) - 1) for begin, end in ends]
+
+
+def opening_text(whole: Solution, own: Solution, contact: ContactHistory) -> str:
+    """Which part of a cycle within which a contact opens is evaluated; empty if it does not.
+
+    Args:
+        whole: the solved history.
+        own: the same with the part of the cycle that is evaluated.
+        contact: a plane one.
+    """
+    if whole.cycle is None or own.cycle is None or own.cycle == whole.cycle:
+        return ""
+    if contact.node_range is not None or len(loaded_runs(whole, contact)) < 2:
+        return ""
+    first, last = (own.times[state] for state in own.cycle)
+    return (
+        f"it opens within the evaluated cycle: of the parts in which it carries load that from t = "
+        f"{first:.6g} to {last:.6g} is evaluated, in which Q swings most; cycles of the others are "
+        "not counted"
+    )
 
 
 def evaluated_states(solution: Solution, contact: ContactHistory) -> Indices:

@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1595,
     "contact": 2274,
     "decision": 2006,
-    "evaluate": 8051,
+    "evaluate": 8485,
     "exchange": 2173,
     "fem": 4195,
     "fields": 1242,
