@@ -13,7 +13,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fretfe._core import _kernels
 from fretfe._typing import Array, Bools
 
 # Depths at which the memory is followed, over the largest one.
@@ -63,6 +62,9 @@ def remembered(
             solved one, and not in the course of it.
         since: that state; what came before it is remembered.
     """
+    # Imported where it is needed: pages of results do without compiled code.
+    from fretfe._core import _kernels
+
     k_t, retreat, radius = (np.ascontiguousarray(each) for each in (k_t, retreat, depth / 2))
     memory = np.full(len(depth), k_t[0])
     _kernels.follow_memory(k_t, retreat, radius, in_steps, 0, since, memory)
