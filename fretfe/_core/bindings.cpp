@@ -136,8 +136,7 @@ auto fit_moments(Tables tables, double first, double step, Table shares, Table m
 void follow_memory(Values k_t, Values retreat, Values radius, bool in_steps, std::size_t from,
                    std::size_t to,
                    nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> memory) {
-  if (retreat.shape(0) != k_t.shape(0) || memory.shape(0) != radius.shape(0) ||
-      to >= k_t.shape(0))
+  if (retreat.shape(0) != k_t.shape(0) || memory.shape(0) != radius.shape(0) || to >= k_t.shape(0))
     throw nb::value_error("the arrays do not fit one another");
   nb::gil_scoped_release release;
   fretfe::edge_memory::follow({k_t.data(), retreat.data()}, {radius.data(), radius.shape(0)},

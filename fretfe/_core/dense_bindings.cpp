@@ -69,8 +69,8 @@ void gather(Table matrix, Numbers rows, Numbers columns,
   });
 }
 
-/// Adds rows times weights to some columns of their sum, four rows at a time: each is read once, the
-/// sum for each four of them.
+/// Adds rows times weights to some columns of their sum, four rows at a time: each is read once,
+/// the sum for each four of them.
 void add_rows(const double *matrix, std::size_t width, const Numbers &rows, const double *weights,
               double *sum, std::size_t length) {
   const std::size_t count = rows.shape(0);

@@ -9,8 +9,7 @@ void follow(const Edge &edge, const Places &places, bool in_steps, std::size_t f
             double *memory) {
   const double *radius = places.radius, *end = radius + places.count;
   for (std::size_t state = from + 1; state <= to; ++state) {
-    const double k_t = edge.k_t[state], before = edge.retreat[state - 1],
-                 now = edge.retreat[state];
+    const double k_t = edge.k_t[state], before = edge.retreat[state - 1], now = edge.retreat[state];
     const auto outside = std::lower_bound(radius, end, now) - radius;
     if (now < before && !in_steps)
       for (auto i = outside; radius + i < end && radius[i] < before; ++i)
