@@ -167,7 +167,8 @@ def _print_on_ranks(checked: Checked, asked: int | None) -> None:
     if asked:
         cores = idle_cores() + 1
         most = checked.most_ranks(cores)
-        print(f"This machine has {cores} cores, and memory for {most or 'no'} processes on them")
+        processes = "process" if most == 1 else "processes"
+        print(f"This machine has {cores} cores, and memory for {most or 'no'} {processes} on them")
 
 
 MESH_EXAMPLES = examples("fretfe mesh pad.toml -o pad.msh")
