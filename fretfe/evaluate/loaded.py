@@ -117,7 +117,8 @@ def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
     if solution.cycle is None:
         return solution
     first, last = solution.cycle
-    force, runs = normal_force(contact), loaded_runs(solution, contact)
+    force = normal_force(contact)
+    runs = loaded_runs(solution, contact, force)
     if not runs:
         return solution
     shear, pressed = _resultant(contact, 1), [force[begin : end + 1].max() for begin, end in runs]
@@ -137,11 +138,17 @@ def _largest(runs: Runs, values: Sequence[float]) -> Runs:
     return [run for run, value in zip(runs, values, strict=True) if value >= least]
 
 
-def loaded_runs(solution: Solution, contact: ContactHistory) -> Runs:
-    """First and last state of each run of states of the cycle in which a contact has edges."""
+def loaded_runs(solution: Solution, contact: ContactHistory, force: Array) -> Runs:
+    """First and last state of each run of states of the cycle in which a contact has edges.
+
+    Args:
+        solution: the solved history, with a cycle.
+        contact: one of its contacts.
+        force: (T,) its P.
+    """
     assert solution.cycle is not None
     first, last = solution.cycle
-    inside = _with_edges(contact, normal_force(contact), first, last)
+    inside = _with_edges(contact, force, first, last)
     ends = np.flatnonzero(np.diff(inside, prepend=False, append=False)).reshape(-1, 2)
     return [(first + int(begin), first + int(end) - 1) for begin, end in ends]
 
@@ -156,7 +163,9 @@ def opening_text(whole: Solution, own: Solution, contact: ContactHistory) -> str
     """
     if whole.cycle is None or own.cycle is None or own.cycle == whole.cycle:
         return ""
-    if contact.node_range is not None or len(loaded_runs(whole, contact)) < 2:
+    if contact.node_range is not None:
+        return ""
+    if len(loaded_runs(whole, contact, normal_force(contact))) < 2:
         return ""
     first, last = (own.times[state] for state in own.cycle)
     return (
