@@ -40,7 +40,8 @@ from fretfe.loads.over_surface import read_gap
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
 from fretfe.surface.gap import LARGEST_MISS, gap_missed
-from fretfe.surface.surface import Surface, curvatures, deviations, mean_curvature, normal_vectors
+from fretfe.surface.normals import mean_share
+from fretfe.surface.surface import Surface, curvatures, deviations, normal_vectors
 
 # Forces or moments on a body that do not add up to zero, over the largest of them, from which a
 # solution means nothing. Meshes up to 330 000 unknowns give 1e-12; what is lost grows with the
@@ -81,22 +82,23 @@ class Motion:
         slope: largest rotation of a surface in the contact, about its tangents.
         stretch: largest root mean square of the strain of a surface over the contact.
         curvature: largest one of the surfaces where they ever touch, before deformation.
-        mean_curvature: (2,) of the whole surfaces, by which contact normals are weighted.
+        turning: largest one of the line along which the bodies slide there: one over the sum of
+            the radii of both surfaces.
+        share: of the way from the normals of surface 1 to those of surface 2 on which contact
+            normals are.
     """
 
     turn: Array
     slope: float
     stretch: float
     curvature: float
-    mean_curvature: Array
+    turning: float
+    share: float
 
     @property
     def normal_turn(self) -> Array:
-        """(T, m) rotation of the contact normal: of each body by the other's curvature."""
-        (first, second), turn = self.mean_curvature, self.turn
-        if second == 0:
-            return np.asarray(turn[1])
-        return np.asarray((second * turn[0] + first * turn[1]) / (first + second))
+        """(T, m) rotation of the contact normal, between those of both bodies."""
+        return np.asarray((1 - self.share) * self.turn[0] + self.share * self.turn[1])
 
 
 def opened(solution: Solution) -> str:
@@ -305,8 +307,8 @@ def _motion_limits(
     yield ModelLimit(
         name,
         Kind.TURNING_NORMAL,
-        "sliding over the smaller radius of the surfaces",
-        extent.sliding * motion.curvature,
+        "sliding over the sum of the radii of both surfaces",
+        extent.sliding * motion.turning,
         LARGEST_TURN,
     )
     yield ModelLimit(
@@ -415,14 +417,22 @@ def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorde
             stretch = max(stretch, float(np.sqrt(mean_square).max()))
     surfaces = [model.surfaces[name] for name in (contact.surface1, contact.surface2)]
     points = history.surface.points
-    curvature = np.array([_curvatures_near(surface, points) for surface in surfaces])
+    curvature = np.array([_curvatures_near(surface, points)[touched] for surface in surfaces])
+    normals = [surface.nearest(points)[1] for surface in surfaces]
     return Motion(
         turn=turn,
         slope=slope,
         stretch=stretch,
-        curvature=float(curvature[:, touched].max()),
-        mean_curvature=np.array([mean_curvature(surface) for surface in surfaces]),
+        curvature=float(curvature.max()),
+        turning=float((curvature.min(axis=0) / (1 + _ratio(curvature))).max()),
+        share=mean_share(history.surface.frames[:, 0, : points.shape[1]], -normals[0], normals[1]),
     )
+
+
+def _ratio(curvature: Array) -> Array:
+    """(n,) smaller over the larger of two curvatures (2, n), 1 where both are 0."""
+    low, high = curvature.min(axis=0), curvature.max(axis=0)
+    return np.divide(low, high, out=np.ones_like(low), where=high > 0)
 
 
 def _along_arc(history: ContactHistory) -> Derive:

@@ -23,7 +23,8 @@ from fretfe._typing import Array, Bools, Indices, Positions
 from fretfe.errors import ModelError
 from fretfe.mesh.elements import BULGE, MIDDLES, quadrature, seven_points, shape_values
 from fretfe.surface.contact_surface import ContactSurface
-from fretfe.surface.surface import Chain, Surface, mean_curvature, rim_edges, tangent_frames
+from fretfe.surface.normals import contact_normals
+from fretfe.surface.surface import Chain, Surface, rim_edges, tangent_frames
 
 # Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
 if TYPE_CHECKING:
@@ -236,21 +237,6 @@ def _triangle_rule(*surfaces: Surface) -> Rule:
 def search_reach(surface1: Surface, surface2: Surface) -> float:
     """Distance beyond which points of two surfaces are never in contact."""
     return SEARCH_FRACTION * min(surface1.extent, surface2.extent)
-
-
-def contact_normals(surface1: Surface, surface2: Surface) -> Array:
-    """(f, k, d) unit normals of the contact at the nodes of surface 2, out of body 2.
-
-    The normal of each surface counts with the mean curvature of the other: a flat against a
-    rounded surface gives the normal of the flat, equal cylinders the direction between their
-    axes, conforming surfaces their common normal.
-    """
-    curvature1, curvature2 = mean_curvature(surface1), mean_curvature(surface2)
-    if curvature2 == 0:
-        return surface2.normals
-    opposite = surface1.nearest(surface2.points)[1][surface2.facets]
-    normals = curvature1 * surface2.normals - curvature2 * opposite
-    return normals / np.linalg.norm(normals, axis=2, keepdims=True)
 
 
 @dataclass(frozen=True)

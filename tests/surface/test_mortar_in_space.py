@@ -16,12 +16,12 @@ from fretfe.mesh.elements import quadrature
 from fretfe.surface.checks import contact_quality, initial_gap
 from fretfe.surface.mortar import (
     Coupling,
-    contact_normals,
     couple,
     overlap_points,
     project,
     search_reach,
 )
+from fretfe.surface.normals import contact_normals
 from fretfe.surface.surface import Surface, deviations, mean_curvature
 
 CELLS = ("triangle", "quadrilateral")

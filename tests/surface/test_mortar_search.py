@@ -12,7 +12,8 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
 from fretfe.mesh.elements import quadrature, shape_values
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.mortar import contact_normals, opposite_candidates, project, search_reach
+from fretfe.surface.mortar import opposite_candidates, project, search_reach
+from fretfe.surface.normals import contact_normals
 from fretfe.surface.surface import Surface, build_surface
 
 CURVED = pytest.mark.parametrize("curved", [False, True], ids=["straight", "curved"])
@@ -37,7 +38,7 @@ def wavy_pair(
 
 @CURVED
 @pytest.mark.parametrize("height", [0.01, 0.2, 1.0])
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(1, 6))
 def test_same_points_as_with_all_pairs(seed: int, height: float, curved: bool) -> None:
     """The same bits, in the same order."""
     far, near = wavy_pair(seed, (37, 50), curved, height)

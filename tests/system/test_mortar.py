@@ -14,7 +14,8 @@ from scipy.integrate import quad
 
 from fretfe._typing import Array
 from fretfe.errors import ModelError
-from fretfe.surface.mortar import Coupling, contact_normals, couple, project, search_reach
+from fretfe.surface.mortar import Coupling, couple, project, search_reach
+from fretfe.surface.normals import contact_normals
 from fretfe.surface.surface import Surface
 
 HERE = Placement()
