@@ -193,6 +193,13 @@ class Kind(StrEnum):
         "points slide so far that the contact normal turns",
         "the contact normal turns by this angle, and with it the normal force; use smaller loads",
     )
+    SHIFTED = (
+        "shifted pairs",
+        "sliding beside roundings",
+        "points slide over a tenth of the smaller radius of the surfaces",
+        "points stay paired as before deformation, so that tractions act beside their places on "
+        "one of the bodies; use smaller loads, more friction or larger radii",
+    )
     ROTATION = (
         "rotation",
         "large rotation",

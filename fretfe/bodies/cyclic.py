@@ -38,7 +38,7 @@ from fretfe.mesh.elements import (
     shape_values,
 )
 from fretfe.mesh.mesh import BodyMesh, place_text
-from fretfe.surface.mortar import GAUSS_POINTS, project
+from fretfe.surface.overlap import GAUSS_POINTS, project
 from fretfe.surface.surface import (
     SAMPLES,
     Surface,

@@ -16,9 +16,14 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices
 from fretfe.contact import dense
 from fretfe.surface.contact_surface import ContactSurface
+from fretfe.surface.mortar import SlidGap
 
 # Relative size below which a motion is resisted by nothing but round-off.
 UNRESISTED = 1e-9
+
+
+# Part of the largest gap of a pair in place that is round-off of projections: 1e-10 of a facet.
+GAP_ROUND_OFF = 1e-11
 
 
 # Nodes (n,), and a vector (n, 3) at each of them.
@@ -186,6 +191,7 @@ class Interface:
         contacts: node range of each contact, by name, in the order of the case.
         laws: (2, n) pressures, and approach of the surfaces at these beyond that of the compliance,
             of contacts whose layer does not give linearly.
+        slid: the gaps of contacts between curved surfaces, once they have slid.
     """
 
     components: int
@@ -199,16 +205,37 @@ class Interface:
     coordinates: tuple[Coordinate, ...]
     contacts: dict[str, slice]
     laws: Mapping[str, Array] = field(default_factory=dict)
+    slid: Mapping[str, SlidGap] = field(default_factory=dict)
 
-    def approach(self, traction: Array) -> Array:
-        """(N,) weighted approach of the surfaces under tractions (N, d) by the laws."""
+    @property
+    def gives(self) -> bool:
+        """True if gaps depend on the state beyond what the compliance and the loads tell."""
+        return bool(self.laws or self.slid)
+
+    def approach(self, traction: Array, relative: Array) -> Array:
+        """(N,) weighted gap beyond that of the compliance, by laws and by what has slid.
+
+        Args:
+            traction: (N, d) y.
+            relative: (N, d) w.
+        """
         found = np.zeros(self.size)
         for name, law in self.laws.items():
             nodes = self.contacts[name]
             roots = self.roots[nodes]
             pressure = np.maximum(traction[nodes, 0] / roots, 0.0)
             found[nodes] = roots * np.interp(pressure, *law)
+        for name, gap in self.slid.items():
+            nodes = self.contacts[name]
+            roots = self.roots[nodes]
+            moved = relative[nodes, 1:] / roots[:, None]
+            found[nodes] += gap.opened(moved, roots * traction[nodes, 0]) / roots
         return found
+
+    @cached_property
+    def gap_round_off(self) -> float:
+        """Weighted gaps of that size are round-off where profiles slide."""
+        return GAP_ROUND_OFF * float(np.abs(self.gap).max()) if self.slid else 0.0
 
     @property
     def size(self) -> int:

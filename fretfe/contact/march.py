@@ -84,7 +84,8 @@ def not_converged(number: int, count: int, failure: NotConverged) -> Convergence
     )
 
 
-# What layers give has settled when it changes by less than this part of it, in so many rounds.
+# What layers and profiles give has settled when it changes by less than this part of it, in so many
+# rounds.
 SETTLED = 1e-10
 MOST_ROUNDS = 200
 # Rounds that are combined: fewer take more rounds, many are no longer independent.
@@ -178,8 +179,9 @@ class March:
     ) -> StepResult:
         reference = state.relative[:, 1:]
         fallbacks = spent = 0
-        if self.interface.laws:
-            loads = replace(loads, approach=self.interface.approach(state.traction))
+        if self.interface.gives:
+            given = self.interface.approach(state.traction, state.relative)
+            loads = replace(loads, approach=given)
         try:
             solved, iterations, loads = self._settled(
                 lambda loads, guess: self._newton_from(guess, state, loads), guess, loads
@@ -222,15 +224,16 @@ class March:
         guess: ContactState | None,
         loads: StepLoads,
     ) -> tuple[ContactState, int, StepLoads]:
-        """Solve a step, again with what layers give under its pressures until that stays.
+        """Solve a step, again with what layers and profiles that slid give until that stays.
 
         Args:
-            solve: from a guess, under loads with what layers give.
+            solve: from a guess, under loads with what they give.
             guess: to start from.
-            loads: with what layers give in the state before.
+            loads: with what they give in the state before.
 
         Returns:
-            The state, the iterations of all rounds, and the loads with what layers give.
+            The state, the iterations of all rounds, and the loads with what layers and profiles
+            give.
         """
         spent, mixing = 0, Mixing()
         while True:
@@ -238,13 +241,14 @@ class March:
             spent += iterations
             if loads.approach is None:
                 return solved, spent, loads
-            given = self.interface.approach(solved.traction)
+            given = self.interface.approach(solved.traction, solved.relative)
             missed, size = (float(np.abs(x).max()) for x in (given - loads.approach, given))
             # Closed surfaces are so far apart at most; lengths of round-off do not fall further.
-            if missed <= SETTLED * max(size, float(np.abs(loads.approach).max())):
+            scale = SETTLED * max(size, float(np.abs(loads.approach).max()))
+            if missed <= scale + self.interface.gap_round_off:
                 return solved, spent, loads
             if mixing.rounds == MOST_ROUNDS:
-                raise NotConverged("what a layer gives does not settle", spent)
+                raise NotConverged("what layers or sliding profiles give does not settle", spent)
             loads = replace(loads, approach=mixing.next(loads.approach, given))
             guess = solved
 

@@ -49,8 +49,8 @@ class StepLoads:
         amplitudes: (l,) load amplitudes.
         values: (m,) amplitude of each prescribed coordinate, force on each of the others.
         friction: (N,) coefficient at each node.
-        approach: (N,) what layers give beyond the compliance, as of `Interface.approach`; None
-            without such layers, and where it is not known yet.
+        approach: (N,) what layers and profiles that slid give beyond the compliance, as of
+            `Interface.approach`; None without such, and where it is not known yet.
     """
 
     amplitudes: Array
@@ -372,7 +372,9 @@ def certify(
     by_loads = (interface.loads @ loads.amplitudes).reshape(relative.shape) / roots
     missed = np.zeros(len(state.status))
     if loads.approach is not None:
-        missed = (interface.approach(state.traction) - loads.approach) / interface.roots
+        missed = (
+            interface.approach(state.traction, state.relative) - loads.approach
+        ) / interface.roots
     opened, stuck, slipping = (state.status == s for s in (OPEN, STICK, SLIP))
     along = np.einsum("ij,ij->i", increment, state.direction)
     directed = np.any(state.direction != 0, axis=1)  # without friction there is no direction

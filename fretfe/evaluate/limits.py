@@ -30,8 +30,8 @@ from fretfe.verdict import Verdict
 if TYPE_CHECKING:
     from fretfe.contact.recorder import Recorder
 
-# Sliding over the width of the contact. The gap of round surfaces that slide by s has an error of
-# s²/(4R) against the approach a²/R of two equal cylinders: (s/2a)², one hundredth.
+# Sliding over the width of the contact: tractions act beside their places on one body by that part
+# of it.
 LARGEST_SLIDING = 0.1
 # Linear elasticity leaves out terms of the order of the strain; 2 % is beyond the yield strain of
 # nearly all metals.

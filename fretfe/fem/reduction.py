@@ -133,6 +133,7 @@ def build_interface(
         contacts=nodes,
         compliance=DenseCompliance(system.pop("compliance")),
         laws={pair.name: pair.law for pair in pairs if pair.law is not None},
+        slid={p.name: p.coupling.slid for p in pairs if p.coupling.slid is not None},
         **system,
     )
     return interface, reduced

@@ -21,7 +21,7 @@ from fretfe.mesh.elements import shape_values
 from fretfe.mesh.load import grouped_mesh, naming_case
 from fretfe.mesh.make import SetSizes
 from fretfe.mesh.mesh import BodySummary, Mesh
-from fretfe.surface.mortar import overlap_points, search_reach
+from fretfe.surface.overlap import overlap_points, search_reach
 from fretfe.surface.surface import Surface, build_surface, curvatures, deviations
 
 # An interpenetration of this fraction of a facet is not resolved by the mesh and does no harm.

@@ -7,236 +7,37 @@ turned clockwise, so that x = t and y = n). Work conjugate to it are the weighte
 ∫ φ_i [(u_1 − u_2)·n + gap] and the weighted tangential displacement ∫ φ_i (u_2 − u_1)·t.
 
 Integrals run over the surface of body 2, whichever side carries the multipliers, at the points of
-`overlap_points`: these say which facets lie opposite each other, and where.
+`fretfe.surface.overlap`.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from itertools import chain
-from typing import TYPE_CHECKING, Any
+from dataclasses import dataclass, replace
+from functools import cached_property
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fretfe._core import _kernels
-from fretfe._typing import Array, Bools, Indices, Positions
+from fretfe._typing import Array, Bools, Indices
 from fretfe.errors import ModelError
-from fretfe.mesh.elements import BULGE, MIDDLES, quadrature, seven_points, shape_values
+from fretfe.mesh.elements import shape_values
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.normals import contact_normals
-from fretfe.surface.surface import Chain, Surface, rim_edges, tangent_frames
+from fretfe.surface.overlap import OverlapPoints, overlap_along, search_reach
+from fretfe.surface.surface import Chain, Surface, bend, rim_edges, tangent_frames
 
 # Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
 if TYPE_CHECKING:
     from scipy import sparse
 
-# Spheres are larger by this fraction: points just beyond the end of a facet count as on it.
-MARGIN = 1e-6
-# Points and weights of a quadrature.
-Rule = tuple[Array, Array]
-# Exact for the products of hat, quadratic displacement and geometry on straight facets, and far
-# below the discretisation error on curved ones.
-GAUSS_POINTS = 5
-# The same in parts of quadrilaterals that are triangles: degree 6.
-TRIANGLE_POINTS = 4
-# Points further apart than this fraction of the shorter surface are never in contact.
-SEARCH_FRACTION = 0.5
 # Bodies end at the same place if their ends are that close, over an element at them.
 SAME_END = 0.1
 # Hats with less than this fraction of their support inside the overlap carry no multiplier.
 SMALLEST_SUPPORT = 1e-6
-
-
-@dataclass(frozen=True)
-class Candidates:
-    """Facets of one surface that may lie opposite each of the f facets of another one.
-
-    Attributes:
-        starts: (f + 1,) where the candidates of each facet begin, then their number.
-        facets: (c,) candidates, those of a facet in ascending order.
-    """
-
-    starts: Indices
-    facets: Indices
-
-
-@dataclass(frozen=True)
-class _Tubes:
-    """Everything within a reach of facets along their normals.
-
-    A point lies at centre + g direction + e with |g| ≤ reach and |e| ≤ radius + |g| spread.
-    """
-
-    centres: Array
-    directions: Array
-    radii: Array
-    spreads: Array
-    reach: float
-
-    def meet(self, tube: Indices, centres: Array, radii: Array) -> Bools:
-        """(n,) tubes `tube` that may contain a point of spheres (n, d), (n,)."""
-        seen = centres - self.centres[tube]
-        direction, spread = self.directions[tube], self.spreads[tube]
-        along = np.sum(seen * direction, axis=1)
-        across = np.linalg.norm(seen - along[:, None] * direction, axis=1)
-        size = radii + self.radii[tube]
-        # |g| differs from |along| by no more than size + |g| spread.
-        nearer = np.where(spread <= 0.5, 2 * (np.abs(along) + size), self.reach)
-        allowed = size + spread * np.minimum(self.reach, nearer)
-        met: Bools = (across <= allowed) & (np.abs(along) <= self.reach + allowed)
-        return met
-
-
-def opposite_candidates(near: Surface, normals: Array, far: Surface, reach: float) -> Candidates:
-    """Facets of `far` that lines along normals of `near` may meet.
-
-    Args:
-        near: surface with f facets.
-        normals: (f, k, d) unit normals at the nodes of `near`, interpolated in between.
-        far: surface that is searched.
-        reach: largest distance along the normals, to either side.
-    """
-    tubes = _tubes(near, normals, reach)
-    spheres = _spheres(far)
-    levels, order = _box_tree(*spheres)
-    facet, box = np.arange(len(near.facets)), np.zeros(len(near.facets), dtype=np.int64)
-    for centres, radii in levels:
-        facet, box = np.repeat(facet, 2), np.stack([2 * box, 2 * box + 1], axis=1).ravel()
-        kept = tubes.meet(facet, centres[box], radii[box])
-        facet, box = facet[kept], box[kept]
-    facet, found = facet[box < len(order)], order[box[box < len(order)]]
-    kept = tubes.meet(facet, *(x[found] for x in spheres))
-    facet, found = facet[kept], found[kept]
-    sorting = np.lexsort([found, facet])
-    starts = np.searchsorted(facet[sorting], np.arange(len(near.facets) + 1))
-    return Candidates(starts.astype(np.int64), found[sorting].astype(np.int64))
-
-
-def _tubes(surface: Surface, normals: Array, reach: float) -> _Tubes:
-    centres, radii = _spheres(surface)
-    directions = normals.mean(axis=1)
-    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
-    spreads = _farthest(surface, normals - directions[:, None])
-    # Unit vectors differ by no more than twice what vectors differ from which they are made.
-    return _Tubes(centres, directions, radii, 2 * spreads + MARGIN, reach)
-
-
-def _spheres(surface: Surface) -> tuple[Array, Array]:
-    """Centres (f, d) and radii (f,) of spheres around the facets."""
-    nodes = surface.nodes
-    centres = nodes.mean(axis=1)
-    return centres, (1 + MARGIN) * _farthest(surface, nodes - centres[:, None])
-
-
-def _farthest(surface: Surface, vectors: Array) -> Array:
-    """(f,) bound of the length of vectors interpolated between those at the nodes (f, k, d).
-
-    The longest at the corners, and what the other nodes add to the interpolation between these.
-    """
-    corners, middles = vectors[:, : surface.corners.shape[1]], MIDDLES[surface.shape]
-    farthest = np.linalg.norm(corners, axis=2).max(axis=1)
-    if surface.degree == 2:
-        straight = np.stack([corners[:, around].mean(axis=1) for around in middles], axis=1)
-        bulges = np.linalg.norm(vectors[:, corners.shape[1] :] - straight, axis=2)
-        farthest += BULGE[surface.shape] * bulges.max(axis=1)
-    return farthest
-
-
-def _box_tree(centres: Array, radii: Array) -> tuple[list[tuple[Array, Array]], Positions]:
-    """Spheres around the boxes of a binary tree with a sphere (f,) in each leaf.
-
-    Returns:
-        Centres and radii for each level below the root, and the sphere in each leaf (f,); leaves
-        beyond the last one repeat it.
-    """
-    from scipy.spatial import cKDTree
-
-    order: Positions = cKDTree(centres, leafsize=1).indices
-    padding = ((0, (1 << (len(order) - 1).bit_length()) - len(order)), (0, 0))
-    low = np.pad((centres - radii[:, None])[order], padding, mode="edge")
-    high = np.pad((centres + radii[:, None])[order], padding, mode="edge")
-    levels = []
-    while len(low) > 1:
-        levels.append(((low + high) / 2, np.linalg.norm(high - low, axis=1) / 2))
-        low = low.reshape(-1, 2, low.shape[1]).min(axis=1)
-        high = high.reshape(-1, 2, high.shape[1]).max(axis=1)
-    return levels[::-1], order
-
-
-@dataclass(frozen=True)
-class OverlapPoints:
-    """Integration points on the overlap: n points of surface 2 and their projections on surface 1.
-
-    Attributes:
-        facet1: (n,) facets of surface 1.
-        facet2: (n,) facets of surface 2.
-        at1: (n, d - 1) reference coordinates on `facet1`.
-        at2: (n, d - 1) reference coordinates on `facet2`.
-        weights: (n,) arc length or area of surface 2 that a point stands for.
-        gap: (n,) distance along the normal, positive where the bodies are apart.
-        normals: (n, d) unit contact normals, out of body 2.
-    """
-
-    facet1: Indices
-    facet2: Indices
-    at1: Array
-    at2: Array
-    weights: Array
-    gap: Array
-    normals: Array
-
-
-def overlap_points(surface1: Surface, surface2: Surface) -> OverlapPoints:
-    """Integration points on surface 2 and their projections on surface 1.
-
-    There are none where no part of the surfaces lies opposite the other within `search_reach`.
-    """
-    normals = contact_normals(surface1, surface2)
-    if surface1.dimension == 3:
-        square = quadrature("quadrilateral", GAUSS_POINTS)
-        return project(surface2, normals, surface1, square, _triangle_rule(surface1, surface2))
-    at, weights = quadrature("line", GAUSS_POINTS)
-    return project(surface2, normals, surface1, (at[:, 0], weights))
-
-
-def project(near: Surface, normals: Array, far: Surface, *rules: Rule) -> OverlapPoints:
-    """Project points of one surface along normals onto another one.
-
-    Args:
-        near: surface 2.
-        normals: (f, k, d) unit normals at the nodes of `near`.
-        far: surface 1.
-        rules: points and weights (q,) of the quadrature: in the plane one rule with points (q,) in
-            [0, 1]; in space those on quadrilaterals and on triangles, with points (q, 2).
-    """
-    plane = near.dimension == 2
-    reach = search_reach(near, far)
-    candidates = opposite_candidates(near, normals, far, reach)
-    kernel: Any = _kernels.overlap_points if plane else _kernels.overlap_points_in_space
-    facet2, facet1, at2, at1, weights, gap, at_points = kernel(
-        np.ascontiguousarray(near.nodes),
-        np.ascontiguousarray(normals),
-        np.ascontiguousarray(far.nodes),
-        candidates.starts,
-        candidates.facets,
-        *chain.from_iterable(rules),
-        reach,
-    )
-    if plane:
-        at1, at2 = at1[:, None], at2[:, None]
-    return OverlapPoints(facet1, facet2, at1, at2, weights, gap, at_points)
-
-
-def _triangle_rule(*surfaces: Surface) -> Rule:
-    """Points and weights in triangles: hat times displacement is of degree 3 or, on a square, 6."""
-    if all(surface.shape == "triangle" for surface in surfaces):
-        return seven_points()
-    return quadrature("triangle", TRIANGLE_POINTS)
-
-
-def search_reach(surface1: Surface, surface2: Surface) -> float:
-    """Distance beyond which points of two surfaces are never in contact."""
-    return SEARCH_FRACTION * min(surface1.extent, surface2.extent)
+# Part of the support of a hat by which curved surfaces that slide change it.
+WHOLE = 0.01
+# Radians: a surface whose normals turn by less is flat, but for the round-off in its nodes.
+SMALLEST_BEND = 1e-3
 
 
 @dataclass(frozen=True)
@@ -253,6 +54,7 @@ class Coupling:
         averaging: (N, N) mean of a traction around each node, ∫ φ_i Σ φ_j λ_j / ∫ φ_i.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
         body1, body2: (N*components, n) operators on the surface displacements of each body.
+        slid: the gap once bodies have slid; None if that stays, as one of the surfaces is flat.
     """
 
     surface: ContactSurface
@@ -260,6 +62,84 @@ class Coupling:
     gap: Array
     body1: sparse.csr_matrix
     body2: sparse.csr_matrix
+    slid: SlidGap | None = None
+
+
+@dataclass(frozen=True)
+class SlidGap:
+    """The gap between two curved surfaces one of which has slid along the other.
+
+    Pairs of opposite points stay pairs, and their operators know of a sliding no more than its part
+    along the contact normal. What the profiles open or close beyond that is told here: the surface
+    that carries the N nodes stays, the other one moves as it is.
+
+    Attributes:
+        surface1, surface2: of the bodies, in place.
+        normals: (f, k, d) unit normals of the contact at the nodes of surface 2.
+        on_first: True if surface 1 carries the nodes.
+        number: (v,) node of each vertex of that surface, or -1.
+        frames: (N, c, c) of the nodes, for displacements of c components.
+    """
+
+    surface1: Surface
+    surface2: Surface
+    normals: Array
+    on_first: bool
+    number: Indices
+    frames: Array
+
+    def opened(self, displacement: Array, force: Array) -> Array:
+        """(N,) gap that sliding opens beyond its part along the normal, times the support.
+
+        Args:
+            displacement: (N, c - 1) of body 2 relative to body 1 along the tangents.
+            force: (N,) by pressure: bodies have slid by the mean of what it presses together.
+        """
+        pressed = np.maximum(force, 0.0)
+        shares = pressed / pressed.sum() if pressed.any() else np.full(len(force), 1 / len(force))
+        along = np.einsum("n,na,nad->d", shares, displacement, self.frames[:, 1:])
+        sliding = -along[: self.surface1.dimension]
+        # Farther than opposite points are looked for nothing is followed.
+        farthest = search_reach(self.surface1, self.surface2)
+        return self._opened(sliding * min(1.0, farthest / max(np.linalg.norm(sliding), 1e-300)))
+
+    def _opened(self, sliding: Array) -> Array:
+        """(N,) the same by a displacement (d,) of body 1 relative to body 2."""
+        from scipy.spatial import cKDTree
+
+        support, gap, _ = self._sums(sliding)
+        before, initial, pull = self._in_place
+        whole = np.flatnonzero(support > (1 - WHOLE) * before)
+        if not len(whole):
+            return np.zeros(len(gap))
+        means = gap[whole] / support[whole] - (initial + pull @ sliding)[whole] / before[whole]
+        # Next to the end of the other surface as at the nearest node all of whose hat is met.
+        return np.asarray(before * means[cKDTree(self._points[whole]).query(self._points)[1]])
+
+    @cached_property
+    def _points(self) -> Array:
+        """(N, d) the nodes."""
+        vertices = (self.surface1 if self.on_first else self.surface2).vertices
+        carrying = np.flatnonzero(self.number >= 0)
+        return np.asarray(vertices[carrying[np.argsort(self.number[carrying])]])
+
+    @cached_property
+    def _in_place(self) -> tuple[Array, Array, Array]:
+        return self._sums(np.zeros(self.surface1.dimension))
+
+    def _sums(self, sliding: Array) -> tuple[Array, Array, Array]:
+        """Supports (N,) of the nodes, gap (N,) and normal (N, d) over these."""
+        first, second = self.surface1, self.surface2
+        if self.on_first:
+            second = replace(second, points=second.points - sliding)
+        else:
+            first = replace(first, points=first.points + sliding)
+        overlap = overlap_along(self.normals, first, second)
+        hats, vertices = _carrier(overlap, first, second, self.on_first).hats()
+        tests, rows = hats * overlap.weights[:, None], self.number[vertices]
+        parts = (np.ones(len(overlap.gap)), overlap.gap, *overlap.normals.T)
+        sums = [_totals(rows, tests * part[:, None], len(self.frames)) for part in parts]
+        return sums[0], sums[1], np.stack(sums[2:], axis=1)
 
 
 def couple(
@@ -286,7 +166,8 @@ def couple(
     on_first = multipliers == "surface1" or (
         multipliers == "finer" and _facet_size(surface1) <= _facet_size(surface2)
     )
-    overlap = overlap_points(surface1, surface2)
+    normals = contact_normals(surface1, surface2)
+    overlap = overlap_along(normals, surface1, surface2)
     if not len(overlap.weights):
         raise ModelError(
             f"contact {name!r}: surfaces {surface1.name!r} and {surface2.name!r} never face each "
@@ -294,7 +175,11 @@ def couple(
             "Check the names, and that the bodies are in their working position."
         )
     size = components or surface1.dimension
-    return _assemble(overlap, surface1, surface2, on_first, degree, size)
+    coupling, number = _assemble(overlap, surface1, surface2, on_first, degree, size)
+    if min(bend(surface1), bend(surface2)) < SMALLEST_BEND:
+        return coupling
+    frames = coupling.surface.frames
+    return replace(coupling, slid=SlidGap(surface1, surface2, normals, on_first, number, frames))
 
 
 def _facet_size(surface: Surface) -> float:
@@ -308,15 +193,15 @@ def _assemble(
     on_first: bool,
     degree: int,
     components: int,
-) -> Coupling:
-    """Coupling from the points of the overlap and a displacement space of a degree."""
+) -> tuple[Coupling, Indices]:
+    """Coupling from the points of the overlap; the node at each vertex of the carrier, or -1."""
     from scipy import sparse
 
     sides = (
         _Side(surface1, overlap.facet1, overlap.at1),
         _Side(surface2, overlap.facet2, overlap.at2),
     )
-    carrier = sides[0 if on_first else 1]
+    carrier = _carrier(overlap, surface1, surface2, on_first)
     hats, vertices = carrier.hats()
     tests = hats * overlap.weights[:, None]
     nodes, number = _nodes(carrier.surface, vertices, tests, on_first)
@@ -340,7 +225,7 @@ def _assemble(
         if d == 3
         else None
     )
-    return Coupling(
+    coupling = Coupling(
         surface=ContactSurface(
             arc=_arc(carrier.surface, on_first)[nodes] if d == 2 else np.empty(0),
             points=carrier.surface.vertices[nodes],
@@ -355,6 +240,7 @@ def _assemble(
         body1=body1,
         body2=body2,
     )
+    return coupling, number
 
 
 def _with_across(frames: Array, components: int) -> Array:
@@ -411,6 +297,13 @@ class _Side:
         """(n, k) values of the functions of displacement at the points, and their points."""
         values = shape_values(self.surface.shape, degree, self.at)
         return values, self.surface.displacement_facets(degree)[self.facet]
+
+
+def _carrier(overlap: OverlapPoints, surface1: Surface, surface2: Surface, on_first: bool) -> _Side:
+    """The side that carries the multipliers."""
+    if on_first:
+        return _Side(surface1, overlap.facet1, overlap.at1)
+    return _Side(surface2, overlap.facet2, overlap.at2)
 
 
 def _nodes(

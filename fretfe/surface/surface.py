@@ -431,6 +431,13 @@ def _along_sides(surface: Surface) -> tuple[list[Array], list[Array]]:
     return sides, turns
 
 
+def bend(surface: Surface) -> float:
+    """Largest angle between a normal and the mean one, to first order."""
+    normals = surface.normals.reshape(-1, surface.dimension)
+    mean = normals.mean(axis=0)
+    return float(np.linalg.norm(normals - mean / np.linalg.norm(mean), axis=1).max())
+
+
 def curvatures(surface: Surface) -> Array:
     """(f,) largest curvature of each facet, without sign; 0 for flat surfaces."""
     if surface.dimension == 2:

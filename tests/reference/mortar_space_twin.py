@@ -17,7 +17,7 @@ from scipy.optimize import root
 
 from fretfe._typing import Array
 from fretfe.mesh.elements import KINDS, reference_nodes, shape_slopes, shape_values
-from fretfe.surface.mortar import OverlapPoints, Rule
+from fretfe.surface.overlap import OverlapPoints, Rule
 
 # Definitions that the twin shares with the kernel.
 FARTHEST_FOOT, FARTHEST_HIT = 1.0, 0.1

@@ -15,7 +15,7 @@ from numpy.polynomial import polynomial
 from scipy.optimize import brentq
 
 from fretfe._typing import Array
-from fretfe.surface.mortar import OverlapPoints
+from fretfe.surface.overlap import OverlapPoints
 
 SAMPLES = 33
 # Facet ends belong to two facets.

@@ -14,14 +14,9 @@ from scipy.spatial.transform import Rotation
 from fretfe._typing import Array
 from fretfe.mesh.elements import quadrature
 from fretfe.surface.checks import contact_quality, initial_gap
-from fretfe.surface.mortar import (
-    Coupling,
-    couple,
-    overlap_points,
-    project,
-    search_reach,
-)
+from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.normals import contact_normals
+from fretfe.surface.overlap import overlap_points, project, search_reach
 from fretfe.surface.surface import Surface, deviations, mean_curvature
 
 CELLS = ("triangle", "quadrilateral")

@@ -14,8 +14,9 @@ from scipy.integrate import quad
 
 from fretfe._typing import Array
 from fretfe.errors import ModelError
-from fretfe.surface.mortar import Coupling, couple, project, search_reach
+from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.normals import contact_normals
+from fretfe.surface.overlap import project, search_reach
 from fretfe.surface.surface import Surface
 
 HERE = Placement()

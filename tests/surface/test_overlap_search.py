@@ -12,8 +12,8 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
 from fretfe.mesh.elements import quadrature, shape_values
 from fretfe.mesh.mesh import BodyMesh
-from fretfe.surface.mortar import opposite_candidates, project, search_reach
 from fretfe.surface.normals import contact_normals
+from fretfe.surface.overlap import opposite_candidates, project, search_reach
 from fretfe.surface.surface import Surface, build_surface
 
 CURVED = pytest.mark.parametrize("curved", [False, True], ids=["straight", "curved"])
