@@ -304,8 +304,10 @@ def positive_cells(points: Array, cells: Indices, cell: str, order: int) -> tupl
 def reversal(cell: str, order: int) -> Indices:
     """(k,) the nodes of a cell in the order of its mirror image, or of a facet from behind."""
     nodes = reference_nodes(cell, order)
-    mirrored = nodes.copy()
-    mirrored[:, [0, 1]] = nodes[:, [1, 0]]
+    mirrored = 1 - nodes
+    if nodes.shape[1] > 1:
+        mirrored = nodes.copy()
+        mirrored[:, [0, 1]] = nodes[:, [1, 0]]
     return np.linalg.norm(mirrored[:, None] - nodes, axis=2).argmin(axis=1)
 
 

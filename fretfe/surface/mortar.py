@@ -20,11 +20,19 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.errors import ModelError
-from fretfe.mesh.elements import shape_values
+from fretfe.mesh.elements import reversal, shape_values
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.normals import contact_normals
 from fretfe.surface.overlap import OverlapPoints, overlap_along, search_reach
-from fretfe.surface.surface import Chain, Surface, bend, rim_edges, tangent_frames
+from fretfe.surface.surface import (
+    Chain,
+    Surface,
+    bend,
+    curvatures,
+    mean_curvature,
+    rim_edges,
+    tangent_frames,
+)
 
 # Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
 if TYPE_CHECKING:
@@ -36,6 +44,10 @@ SAME_END = 0.1
 SMALLEST_SUPPORT = 1e-6
 # Part of the support of a hat by which curved surfaces that slide change it.
 WHOLE = 0.01
+# Hats over a surface (v,), height (v,) of that and normal (v, d) over these.
+Heights = tuple[Array, Array, Array]
+# Part of the largest curvature of a surface below which it is flat.
+FLAT = 0.01
 # Radians: a surface whose normals turn by less is flat, but for the round-off in its nodes.
 SMALLEST_BEND = 1e-3
 
@@ -54,7 +66,8 @@ class Coupling:
         averaging: (N, N) mean of a traction around each node, ∫ φ_i Σ φ_j λ_j / ∫ φ_i.
         gap: (N,) weighted initial gap, ∫ φ_i gap.
         body1, body2: (N*components, n) operators on the surface displacements of each body.
-        slid: the gap once bodies have slid; None if that stays, as one of the surfaces is flat.
+        slid: the gap once bodies have slid; None if that stays as it is: next to a surface that
+            is flat all over, and between arcs, whose shape is the same everywhere.
     """
 
     surface: ContactSurface
@@ -67,25 +80,28 @@ class Coupling:
 
 @dataclass(frozen=True)
 class SlidGap:
-    """The gap between two curved surfaces one of which has slid along the other.
+    """The gap between two surfaces with flats and roundings one of which has slid along the other.
 
     Pairs of opposite points stay pairs, and their operators know of a sliding no more than its part
-    along the contact normal. What the profiles open or close beyond that is told here: the surface
-    that carries the N nodes stays, the other one moves as it is.
+    along the contact normal. What the profiles open or close beyond that is told here: where each
+    body has a rounding, the flat between them becomes shorter or longer. Both bodies move past
+    places midway, each by its part of the sliding.
 
     Attributes:
         surface1, surface2: of the bodies, in place.
         normals: (f, k, d) unit normals of the contact at the nodes of surface 2.
-        on_first: True if surface 1 carries the nodes.
-        number: (v,) node of each vertex of that surface, or -1.
+        share: of the sliding that body 2 does, the other way.
+        transfer: (N, v) means around the N nodes of values at the vertices of surface 2.
+        supports: (N,) of the nodes.
         frames: (N, c, c) of the nodes, for displacements of c components.
     """
 
     surface1: Surface
     surface2: Surface
     normals: Array
-    on_first: bool
-    number: Indices
+    share: float
+    transfer: sparse.csr_matrix
+    supports: Array
     frames: Array
 
     def opened(self, displacement: Array, force: Array) -> Array:
@@ -101,44 +117,46 @@ class SlidGap:
         sliding = -along[: self.surface1.dimension]
         # Farther than opposite points are looked for nothing is followed.
         farthest = search_reach(self.surface1, self.surface2)
-        return self._opened(sliding * min(1.0, farthest / max(np.linalg.norm(sliding), 1e-300)))
+        sliding *= min(1.0, farthest / max(float(np.linalg.norm(sliding)), 1e-300))
+        first = self._risen(self.surface1, self._first_in_place, (1 - self.share) * sliding)
+        second = self._risen(self._turned, self._second_in_place, -self.share * sliding)
+        return np.asarray(self.supports * (self.transfer @ (first - second)))
 
-    def _opened(self, sliding: Array) -> Array:
-        """(N,) the same by a displacement (d,) of body 1 relative to body 2."""
+    @cached_property
+    def _turned(self) -> Surface:
+        """Surface 2 seen from its body."""
+        surface = self.surface2
+        return replace(surface, facets=surface.facets[:, reversal(surface.shape, surface.degree)])
+
+    @cached_property
+    def _first_in_place(self) -> Heights:
+        return self._heights(self.surface1)
+
+    @cached_property
+    def _second_in_place(self) -> Heights:
+        return self._heights(self._turned)
+
+    def _risen(self, far: Surface, in_place: Heights, sliding: Array) -> Array:
+        """(v,) height above the vertices of surface 2 by which another one rises as it slides."""
         from scipy.spatial import cKDTree
 
-        support, gap, _ = self._sums(sliding)
-        before, initial, pull = self._in_place
-        whole = np.flatnonzero(support > (1 - WHOLE) * before)
+        support, height, _ = self._heights(replace(far, points=far.points + sliding))
+        before, initial, pull = in_place
+        whole = np.flatnonzero((before > 0) & (support > (1 - WHOLE) * before))
         if not len(whole):
-            return np.zeros(len(gap))
-        means = gap[whole] / support[whole] - (initial + pull @ sliding)[whole] / before[whole]
+            return np.zeros(len(height))
+        risen = height[whole] / support[whole] - (initial + pull @ sliding)[whole] / before[whole]
         # Next to the end of the other surface as at the nearest node all of whose hat is met.
-        return np.asarray(before * means[cKDTree(self._points[whole]).query(self._points)[1]])
+        vertices = self.surface2.vertices
+        return np.asarray(risen[cKDTree(vertices[whole]).query(vertices)[1]])
 
-    @cached_property
-    def _points(self) -> Array:
-        """(N, d) the nodes."""
-        vertices = (self.surface1 if self.on_first else self.surface2).vertices
-        carrying = np.flatnonzero(self.number >= 0)
-        return np.asarray(vertices[carrying[np.argsort(self.number[carrying])]])
-
-    @cached_property
-    def _in_place(self) -> tuple[Array, Array, Array]:
-        return self._sums(np.zeros(self.surface1.dimension))
-
-    def _sums(self, sliding: Array) -> tuple[Array, Array, Array]:
-        """Supports (N,) of the nodes, gap (N,) and normal (N, d) over these."""
-        first, second = self.surface1, self.surface2
-        if self.on_first:
-            second = replace(second, points=second.points - sliding)
-        else:
-            first = replace(first, points=first.points + sliding)
-        overlap = overlap_along(self.normals, first, second)
-        hats, vertices = _carrier(overlap, first, second, self.on_first).hats()
-        tests, rows = hats * overlap.weights[:, None], self.number[vertices]
+    def _heights(self, far: Surface) -> Heights:
+        """Hats of surface 2 over another one (v,), height (v,) and normal (v, d) over these."""
+        overlap = overlap_along(self.normals, far, self.surface2)
+        hats, vertices = _Side(self.surface2, overlap.facet2, overlap.at2).hats()
+        tests, count = hats * overlap.weights[:, None], len(self.surface2.vertices)
         parts = (np.ones(len(overlap.gap)), overlap.gap, *overlap.normals.T)
-        sums = [_totals(rows, tests * part[:, None], len(self.frames)) for part in parts]
+        sums = [_totals(vertices, tests * part[:, None], count) for part in parts]
         return sums[0], sums[1], np.stack(sums[2:], axis=1)
 
 
@@ -175,11 +193,34 @@ def couple(
             "Check the names, and that the bodies are in their working position."
         )
     size = components or surface1.dimension
-    coupling, number = _assemble(overlap, surface1, surface2, on_first, degree, size)
-    if min(bend(surface1), bend(surface2)) < SMALLEST_BEND:
+    coupling, rows, tests = _assemble(overlap, surface1, surface2, on_first, degree, size)
+    if not (_partly_flat(surface1) and _partly_flat(surface2)):
         return coupling
-    frames = coupling.surface.frames
-    return replace(coupling, slid=SlidGap(surface1, surface2, normals, on_first, number, frames))
+    first, second = (mean_curvature(surface) for surface in (surface1, surface2))
+    hats, vertices = _Side(surface2, overlap.facet2, overlap.at2).hats()
+    supports = coupling.surface.weights
+    products = _sparse(
+        tests[:, :, None] * hats[:, None],
+        rows[:, :, None],
+        vertices[:, None],
+        (len(supports), len(surface2.vertices)),
+    )
+    slid = SlidGap(
+        surface1=surface1,
+        surface2=surface2,
+        normals=normals,
+        share=first / (first + second),
+        transfer=products.multiply(1 / supports[:, None]).tocsr(),
+        supports=supports,
+        frames=coupling.surface.frames,
+    )
+    return replace(coupling, slid=slid)
+
+
+def _partly_flat(surface: Surface) -> bool:
+    """True if a surface has flat and rounded parts."""
+    found = curvatures(surface)
+    return bool(bend(surface) > SMALLEST_BEND and found.min() < FLAT * found.max())
 
 
 def _facet_size(surface: Surface) -> float:
@@ -193,15 +234,15 @@ def _assemble(
     on_first: bool,
     degree: int,
     components: int,
-) -> tuple[Coupling, Indices]:
-    """Coupling from the points of the overlap; the node at each vertex of the carrier, or -1."""
+) -> tuple[Coupling, Indices, Array]:
+    """Coupling from the points of the overlap; nodes (n, c) and weighted hats (n, c) at these."""
     from scipy import sparse
 
     sides = (
         _Side(surface1, overlap.facet1, overlap.at1),
         _Side(surface2, overlap.facet2, overlap.at2),
     )
-    carrier = _carrier(overlap, surface1, surface2, on_first)
+    carrier = sides[0 if on_first else 1]
     hats, vertices = carrier.hats()
     tests = hats * overlap.weights[:, None]
     nodes, number = _nodes(carrier.surface, vertices, tests, on_first)
@@ -240,7 +281,7 @@ def _assemble(
         body1=body1,
         body2=body2,
     )
-    return coupling, number
+    return coupling, rows, tests
 
 
 def _with_across(frames: Array, components: int) -> Array:
@@ -297,13 +338,6 @@ class _Side:
         """(n, k) values of the functions of displacement at the points, and their points."""
         values = shape_values(self.surface.shape, degree, self.at)
         return values, self.surface.displacement_facets(degree)[self.facet]
-
-
-def _carrier(overlap: OverlapPoints, surface1: Surface, surface2: Surface, on_first: bool) -> _Side:
-    """The side that carries the multipliers."""
-    if on_first:
-        return _Side(surface1, overlap.facet1, overlap.at1)
-    return _Side(surface2, overlap.facet2, overlap.at2)
 
 
 def _nodes(

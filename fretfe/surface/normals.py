@@ -23,6 +23,9 @@ from fretfe.surface.surface import Surface, mean_curvature
 if TYPE_CHECKING:
     from scipy import sparse
 
+# Distance of the surfaces times their curvature beyond which turning counts less: where they touch,
+# the normal is that of what is close.
+CLOSE = 1e-5
 # Weight of the distance from a first guess, over the curvature squared, beside turning per length
 # squared: where many fields turn equally little it decides, and elsewhere changes 1e-5 radians.
 GUESS = 1e-3
@@ -46,14 +49,17 @@ def contact_normals(surface1: Surface, surface2: Surface) -> Array:
     curvature1, curvature2 = mean_curvature(surface1), mean_curvature(surface2)
     if curvature2 == 0:
         return surface2.normals
-    opposite = -surface1.nearest(surface2.points)[1]
+    places, opposite = surface1.nearest(surface2.points)
     own = np.empty_like(surface2.points)
     own[surface2.facets] = surface2.normals
-    normals = opposite
+    normals = -opposite
     if curvature1 > 0:
         # By mean curvatures the direction from centre to centre of cylinders and spheres.
         both = curvature1 + curvature2
-        normals = _Arcs.between(opposite, own).taut(curvature1 / both, GUESS * both**2, surface2)
+        apart = both * np.linalg.norm(places - surface2.points, axis=1)
+        turning = _turning(surface2, (CLOSE / (CLOSE + apart)) ** 2)
+        arcs = _Arcs.between(-opposite, own)
+        normals = arcs.taut(turning, curvature1 / both, GUESS * both**2)
     return normals[surface2.facets]
 
 
@@ -93,18 +99,18 @@ class _Arcs:
         """(n, d) unit directions."""
         return np.cos(angle)[:, None] * self.first + np.sin(angle)[:, None] * self.across
 
-    def taut(self, share: float, stiffness: float, surface: Surface) -> Array:
+    def taut(self, turns: tuple[sparse.csr_array, Array], share: float, stiffness: float) -> Array:
         """(n, d) directions that turn least along a surface, ∫ |∇n|² over it.
 
         By projected Newton: where the end of an arc is pressed against, directions stay; all others
         take Newton's step, as far as arcs go, halved until it descends (Bertsekas 1982).
 
         Args:
+            turns: as of `_turning`.
             share: of the arcs, a first guess.
             stiffness: with which directions keep to it, per measure of the surface.
-            surface: whose nodes these are.
         """
-        turning, measures = _turning(surface)
+        turning, measures = turns
         guess, mass = share * self.angle, stiffness * measures
 
         def value(angle: Array) -> float:
@@ -140,15 +146,21 @@ class _Arcs:
         return step
 
 
-def _turning(surface: Surface) -> tuple[sparse.csr_array, Array]:
-    """(n, n) matrix of ∫ |∇x|² over a surface of values at its nodes, and (n,) ∫ x."""
+def _turning(surface: Surface, weights: Array) -> tuple[sparse.csr_array, Array]:
+    """(n, n) matrix of ∫ w |∇x|² over a surface of values at its nodes, and (n,) ∫ w x.
+
+    Args:
+        surface: with n nodes.
+        weights: (n,) w at the nodes, of which facets take the mean.
+    """
     from scipy import sparse
 
-    at, weights = quadrature(surface.shape, GAUSS_POINTS)
+    at, shares = quadrature(surface.shape, GAUSS_POINTS)
     slopes = shape_slopes(surface.shape, surface.degree, at)
     sides = np.einsum("qak,fkd->fqad", slopes, surface.nodes)
     metric = sides @ sides.swapaxes(2, 3)
-    measure = weights * np.sqrt(np.linalg.det(metric))
+    mean = weights[surface.facets].mean(axis=1)[:, None]
+    measure = mean * shares * np.sqrt(np.linalg.det(metric))
     gradients = np.linalg.solve(metric, np.broadcast_to(slopes, (len(metric), *slopes.shape)))
     found = np.einsum("fq,qak,fqal->fkl", measure, slopes, gradients)
     rows, size = np.broadcast_to(surface.facets[:, :, None], found.shape), len(surface.points)

@@ -148,7 +148,8 @@ def test_cycle_returns_at_once_if_slip_is_parallel_to_the_load(
     parts[:, 2, :, 1] = 0.0
     compliance = DenseCompliance(parts.reshape(3 * count, 3 * count))
     history = tractions(replace(interface, compliance=compliance), steps)
-    assert changes(history).max() < 1e-8
+    # Places opposite are sampled, and normals of meshed surfaces turn by 4e-9 in the contact.
+    assert changes(history).max() < 3e-8
     # After half a cycle shear is the opposite.
     half = history[RISE + STEPS // 2, :, 1:] + history[RISE, :, 1:]
-    assert np.abs(half).max() < 1e-8
+    assert np.abs(half).max() < 3e-8
