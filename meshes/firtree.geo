@@ -58,8 +58,8 @@ DefineConstant[
   wedge_angle     = {14,   Min 0,     Max 30,  Name "Parameters/03 Angle of the line from lobe to lobe to the y axis [degrees]"},
   flank_angle     = {45,   Min 30,    Max 65,  Name "Parameters/04 Angle of the flanks to the x axis [degrees]"},
   flank_length    = {2.5,  Min 0.5,   Max 20,  Name "Parameters/05 Length of the flat of each blade flank [mm]"},
-  upper_radius    = {1.2,  Min 0.2,   Max 20,  Name "Parameters/06 Radius of the rounding at the upper end of each flat [mm]"},
-  lower_radius    = {1.2,  Min 0.2,   Max 20,  Name "Parameters/07 Radius of the rounding at the lower end of each flat [mm]"},
+  upper_radius    = {1.6,  Min 0.2,   Max 20,  Name "Parameters/06 Radius of the rounding at the upper end of each flat [mm]"},
+  lower_radius    = {1.6,  Min 0.2,   Max 20,  Name "Parameters/07 Radius of the rounding at the lower end of each flat [mm]"},
   contact_angle   = {10,   Min 3,     Max 20,  Name "Parameters/08 Part of each rounding that may touch [degrees]"},
   relief_angle    = {25,   Min 15,    Max 60,  Name "Parameters/09 Turn of the upper roundings before the neck fillets [degrees]"},
   neck_width      = {16,   Min 2,     Max 100, Name "Parameters/10 Width of the blade neck above the lobes [mm]"},
@@ -75,10 +75,10 @@ DefineConstant[
   shank_height    = {10,   Min 0.5,   Max 100, Name "Parameters/20 Height of the blade top above the disc [mm]"},
   disc_width      = {44,   Min 4,     Max 500, Name "Parameters/21 Width of the disc block [mm]"},
   disc_depth      = {45,   Min 4,     Max 500, Name "Parameters/22 Height of the disc block or sector [mm]"},
-  edge_size       = {0.006,Min 1e-4,  Max 1,   Name "Parameters/23 Element size at the contact edges [mm]"},
+  edge_size       = {0.0025,Min 1e-4, Max 1,   Name "Parameters/23 Element size at the contact edges [mm]"},
   edge_zone       = {0.12, Min 1e-3,  Max 5,   Name "Parameters/24 Length of the fine mesh on either side of the ends of the flats [mm]"},
   flank_size      = {0.1,  Min 1e-3,  Max 2,   Name "Parameters/25 Element size along the flanks [mm]"},
-  growth          = {0.2,  Min 0.02,  Max 0.5, Name "Parameters/26 Growth of the element size per distance from the contact [-]"},
+  growth          = {0.3,  Min 0.02,  Max 0.5, Name "Parameters/26 Growth of the element size per distance from the contact [-]"},
   sectors         = {0,    Min 0,     Max 1000,Name "Parameters/27 Number of sectors of the disc, 0 for a block [-]", Step 1},
   pitch_radius    = {250,  Min 10,    Max 5000,Name "Parameters/28 Radius from the axis of the disc to the middle of the flanks of lobe 1 [mm]"}
 ];

@@ -129,7 +129,7 @@ def test_groups(name: str, order: int) -> None:
 @pytest.mark.parametrize(
     ("name", "largest"),
     [
-        ("dovetail", 30_000),
+        ("dovetail", 36_000),
         ("cylinder", 20_000),
         ("firtree", 70_000),
         ("flat_rounded", 30_000),
