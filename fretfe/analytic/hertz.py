@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Contacts that are expected between half-planes and half-spaces with an initial gap."""
+"""Contacts that are expected between half-spaces with an initial gap."""
 
 from __future__ import annotations
 
@@ -10,8 +10,6 @@ import numpy as np
 
 from fretfe._typing import Array
 
-WIDTHS = 400
-ANGLES = 64
 # A paraboloid is fitted to the gaps within so many half axes around the lowest one, so often; it
 # describes them if it misses no more than this part of what they differ by.
 REACH = 1.5
@@ -19,8 +17,6 @@ FITS = 8
 RESIDUAL = 0.2
 # A smaller curvature, as part of the larger one, is none.
 STRAIGHT = 1e-6
-# Gaps that differ by less than this fraction of the largest one are the same.
-SAME_GAP = 1e-6
 
 
 @dataclass(frozen=True)
@@ -113,37 +109,3 @@ def hertz_half_axes(curvatures: Array, load: float) -> Array:
     t = np.exp(2 * logarithm)
     a = np.cbrt(3 * load * ellipe(1 - t) / (np.pi * t * curvatures.sum()))
     return np.array([a, a * np.exp(logarithm)])
-
-
-def half_width(along: Array, gap: Array, force: float) -> tuple[float, float]:
-    """Half-width of the contact, infinite if it is wider than the surfaces, and its centre.
-
-    Infinite, too, where the gap is lowest in several places apart, as of a pad with two bumps: how
-    many of them share the force is not known before.
-
-    With the gap g(x) made even about its lowest place, P/E* = a ∫ g'(a sin t) sin t dt over
-    0 < t < pi/2 (half-planes).
-
-    Args:
-        along: (n,) places along the surface.
-        gap: (n,) initial gap there.
-        force: P/E*.
-    """
-    order = np.argsort(along)
-    x, g = along[order], gap[order] - gap.min()
-    centre = float(x[g <= SAME_GAP * g.max()].mean()) if g.max() > 0 else float(x.mean())
-    widest = min(centre - x[0], x[-1] - centre)
-    if widest <= 0:  # lowest at an end, behind which nothing is known
-        return np.inf, centre
-    widths = np.linspace(0.0, widest, WIDTHS + 1)[1:]
-    even = (np.interp(centre + widths, x, g) + np.interp(centre - widths, x, g)) / 2
-    if even.min() < np.interp(centre, x, g) - SAME_GAP * g.max():
-        return np.inf, centre
-    slopes = np.diff(even, prepend=0.0) / widths[0]
-    angles = (np.arange(ANGLES) + 0.5) * np.pi / 2 / ANGLES
-    at = widths[:, None] * np.sin(angles)
-    steps = np.minimum((at / widths[0]).astype(int), WIDTHS - 1)
-    forces = widths * (slopes[steps] * np.sin(angles)).mean(axis=1) * np.pi / 2
-    if force >= forces[-1]:
-        return np.inf, centre
-    return float(np.interp(force, np.maximum.accumulate(forces), widths)), centre

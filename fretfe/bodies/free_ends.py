@@ -66,9 +66,9 @@ def end_warning(case: Case, mesh: Mesh) -> Iterator[str]:
     worst = max(ends, key=lambda each: each.size / each.wanted)
     now, unit = _end_size(case), case.units.length
     if now is not None:
-        what = f"set {now[0]} = {_rounded_down(worst.wanted / worst.size * now[1]):g}"
+        what = f"set {now[0]} = {rounded_down(worst.wanted / worst.size * now[1]):g}"
     else:  # smaller ones may be smaller across the front, too
-        what = f"make them {_rounded_down(worst.fixed):g} {unit} long there"
+        what = f"make them {rounded_down(worst.fixed):g} {unit} long there"
         if worst.fixed < worst.wanted:
             what += f", or {BELOW:g} times as long as across the front"
     yield (
@@ -154,7 +154,7 @@ def graded(case: Case) -> Case:
         return case
     solid, parameters = geometry.solid, dict(geometry.parameters)
     length = _template_values(case)["length"] if solid is None else solid.shared(*case.bodies)
-    wanted = _rounded_down(BELOW * _share(case) * length / case.edges.stations / 2)
+    wanted = rounded_down(BELOW * _share(case) * length / case.edges.stations / 2)
     given = END_SIZE in parameters if solid is None else solid.end_size is not None
     if given or wanted >= now[1]:
         return case
@@ -183,7 +183,7 @@ def _template_values(case: Case) -> dict[str, float]:
     return {each.name: each.default for each in known} | dict(case.geometry.parameters)
 
 
-def _rounded_down(size: float) -> float:
+def rounded_down(size: float) -> float:
     """A length with two digits, no larger than it is."""
     power = 10.0 ** (math.floor(math.log10(size)) - 1)
     return float(f"{math.floor(size / power + 1e-9) * power:.2g}")

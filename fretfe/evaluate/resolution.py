@@ -11,6 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.edge_zone import WANTED_TO_PEAK, rise_length
 from fretfe.evaluate.loaded import SMALL_LOAD, normal_force
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
@@ -20,9 +21,8 @@ from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.mesh.sizing import FinePlaces
 
-# Elements over the length in which the pressure rises, and over a slip zone, in the first mesh that
-# resolves a front; each further level halves the elements.
-PER_RISE = 16
+# Elements over a slip zone in the first mesh that resolves a front; over the rise of the pressure
+# it has twice as many as K_N wants. Each further level halves the elements.
 PER_SLIP_ZONE = 8
 # Elements may be larger than asked for by this factor: a mesh follows sizes only roughly.
 MISSED = 1.3
@@ -105,11 +105,7 @@ def _last_zones(station: Station) -> tuple[SlipZone, ...]:
 
 
 def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
-    """Distance in which p = K_N sqrt(s) would rise to the largest pressure on this side.
-
-    Half of the half-width for Hertz; about the length of the rounding in contact for a flat and
-    rounded punch. At most the half-width; that of the closed elements while K_N is unknown.
-    """
+    """The `rise_length` of an edge; half of the closed elements while K_N is unknown."""
     pressure = history.traction[station.decisive, :, 0]
     patch = main_patch(history.surface.arc, pressure)
     half_width = float(contact.half_width[station.decisive])
@@ -119,7 +115,7 @@ def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
     inside = slice(patch.first, patch.last + 1)
     arc, pressure = history.surface.arc[inside], pressure[inside]
     near = station.inward * (contact.centre[station.decisive] - arc) >= 0
-    return float(min((pressure[near].max() / station.decisive_k_n[0]) ** 2, half_width))
+    return rise_length(float(pressure[near].max()), station.decisive_k_n[0], half_width)
 
 
 def needed_sizes(
@@ -245,7 +241,7 @@ def _station_intervals(
     """
     states = _carrying(solution, contact, station)
     low, high = _front_range(history, station, states)
-    size = values.rise / PER_RISE
+    size = values.rise / WANTED_TO_PEAK
     if not np.isfinite(station.decisive_k_n[0]) or station.uncertain:
         size = min(size, _largest_element(history.surface.arc, low, high) / BLIND)
     places, intervals = [(float(station.position[station.decisive]), size)], []

@@ -14,6 +14,7 @@ from cases.halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
 from fretfe.backends.meshes import without_round_off
 from fretfe.evaluate.contacts import Contact, fronts_of
+from fretfe.evaluate.edge_zone import WANTED_TO_PEAK
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.refinement import (
     KINDS,
@@ -27,7 +28,6 @@ from fretfe.evaluate.refinement import (
 from fretfe.evaluate.resolution import (
     BLIND,
     MISSED,
-    PER_RISE,
     PER_SLIP_ZONE,
     Interval,
     hopeless,
@@ -97,7 +97,7 @@ def test_edges_and_slip_zones_are_to_be_fine(
     cycled: tuple[Solution, tuple[Contact, ...]], side: int, level: int
 ) -> None:
     intervals = needed_sizes(*cycled, level)
-    needed = min(0.5 / PER_RISE, ZONE / PER_SLIP_ZONE)
+    needed = min(0.5 / WANTED_TO_PEAK, ZONE / PER_SLIP_ZONE)
     assert at(intervals, side * 1.0) == pytest.approx(needed / 2**level, rel=0.05)
     assert at(intervals, side * (1 - ZONE)) == pytest.approx(needed / 2**level, rel=0.05)
     # within the zone the level makes no difference: only its ends are refined
@@ -112,7 +112,7 @@ def test_the_range_of_a_moving_edge_is_to_be_fine() -> None:
     for sign in (-1, 1):
         for place in np.linspace(*ends, 9):
             # (p0/K_N)^2 = a/2 in the state of the larger load
-            assert at(intervals, sign * float(place)) <= 1.05 * ends[1] / 2 / PER_RISE
+            assert at(intervals, sign * float(place)) <= 1.05 * ends[1] / 2 / WANTED_TO_PEAK
 
 
 def test_edges_under_next_to_no_load_are_left_coarse(

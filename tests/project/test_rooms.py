@@ -85,7 +85,7 @@ NUMBERS = {
     "cli": 4,
     "contact": 56,
     "decision": 8,
-    "evaluate": 265,
+    "evaluate": 264,
     "exchange": 31,
     "fem": 55,
     "fields": 13,

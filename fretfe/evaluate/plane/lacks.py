@@ -10,6 +10,7 @@ import numpy as np
 
 from fretfe._typing import Indices
 from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.edge_zone import WANTED_IN_CONTACT
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.loaded import evaluated_states
 from fretfe.evaluate.plane.pressure_fit import why_no_root
@@ -54,7 +55,7 @@ def _reason(contact: ContactHistory, station: Station, states: Indices) -> Withh
     if touching < len(states):
         return Withheld(Lack.PARTED, touching, len(states))
     if nodes.min() < WANTED_NODES:
-        return Withheld(Lack.FEW_NODES, int(nodes.min()), WANTED_NODES)
+        return Withheld(Lack.FEW_NODES, int(nodes.min()), WANTED_IN_CONTACT)
     unknown = states[~np.isfinite(station.k_n[states])]
     if not len(unknown):
         return Withheld(Lack.NO_TRACTIONS)

@@ -25,6 +25,7 @@ import numpy as np
 
 from fretfe._typing import Array, Positions
 from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.edge_zone import WANTED_TO_PEAK
 from fretfe.evaluate.numerics import FARTHEST, HIGHEST, average, edge_terms, weighted_triangles
 from fretfe.evaluate.plane.section import Patch, PlaneFront, Section
 from fretfe.evaluate.withheld import Lack, Withheld
@@ -71,9 +72,6 @@ INTERVALS = np.array([[1.33], [1.72]])
 # window is far off.
 OFF = (0.05, 0.25)
 SOLVED = (0.5, 1.25)
-# Nodes from the edge to the largest pressure that a fit needs to tell a root from something else:
-# half of those that are wanted over a contact.
-WANTED_OVER_RISE = 8
 
 
 @dataclass(frozen=True)
@@ -289,8 +287,8 @@ def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> W
     if front.from_front(np.arange(len(x)))[0] == outermost:
         return Withheld(Lack.SURFACE_ENDS)
     nodes = nodes_over_rise(pressure, patch, front)
-    kind = Lack.STEEP if nodes < WANTED_OVER_RISE else Lack.NO_ROOT
-    return Withheld(kind, nodes, WANTED_OVER_RISE)
+    kind = Lack.STEEP if nodes < WANTED_TO_PEAK else Lack.NO_ROOT
+    return Withheld(kind, nodes, WANTED_TO_PEAK)
 
 
 def nodes_over_rise(pressure: Array, patch: Patch, front: PlaneFront) -> int:
