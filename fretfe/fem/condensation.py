@@ -55,6 +55,8 @@ class CondensedBody:
         stiffness: (m + k, m + k) K.
         coordinate_loads: (m + k, l) H.
         load_resultants: (c, l) total force of each load.
+        load_sizes: (l,) sum of the lengths of the nodal forces of each load. Initial strains have
+            none: they push nothing by themselves.
         contact_resultants: (c, n) total force on the body by tractions.
         moments: (r, n + m + l) sum of the moments of reactions, loads and contact, r of them (one
             in the plane), about the middle of the contact surfaces, by y, coordinates of the
@@ -70,6 +72,7 @@ class CondensedBody:
     stiffness: Array
     coordinate_loads: Array
     load_resultants: Array
+    load_sizes: Array
     contact_resultants: Array
     moments: Array
     size: float
@@ -258,7 +261,7 @@ class Body:
             for everything, motion, response in zip(whole, held, responses, strict=True)
         ]
         moments, size = self._moments(arms, turning, driven), self._size()
-        resultants = self._resultants()
+        resultants, sizes = self._resultants()
         own = np.isin(self._surface.local, self._constrained).any()
         surface_held = self.elastic.comm.allreduce(int(own)) > 0
         if compliance is None:
@@ -272,6 +275,7 @@ class Body:
             stiffness=(stiffness + stiffness.T) / 2,
             coordinate_loads=np.vstack([coordinate_loads, pushed]),
             load_resultants=resultants,
+            load_sizes=sizes,
             contact_resultants=(self._operator @ everywhere).T,
             moments=moments,
             size=size,
@@ -356,11 +360,17 @@ class Body:
             held.append(fixed)
         return whole, held
 
-    def _resultants(self) -> Array:
-        """(c, l) total force of each load."""
-        size = self.elastic.components
-        local = np.array([v.array.reshape(-1, size).sum(axis=0) for v in self._loads])
-        return self.elastic.comm.allreduce(local.reshape(len(self._loads), size)).T
+    def _resultants(self) -> tuple[Array, Array]:
+        """(c, l) total force of each load, and (l,) lengths of its nodal forces together."""
+        size, strained = self.elastic.components, self.elastic.name
+        nodal = [vector.array.reshape(-1, size) for vector in self._loads]
+        total = np.array([each.sum(axis=0) for each in nodal]).reshape(-1, size)
+        lengths = [
+            0.0 if load.strains(strained) else np.linalg.norm(each, axis=1).sum()
+            for load, each in zip(self.loads, nodal, strict=True)
+        ]
+        allreduce = self.elastic.comm.allreduce
+        return allreduce(total).T, allreduce(np.array(lengths))
 
     def recover(self, states: list[tuple[Array, Array, Array]]) -> list[fem.Function]:
         """Displacement fields of solved steps. Collective; same arguments on all ranks.

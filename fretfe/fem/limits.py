@@ -32,6 +32,7 @@ from fretfe.evaluate.loaded import NO_LOAD
 from fretfe.evaluate.resultants import SMALLEST_SHEAR, shear_direction
 from fretfe.evaluate.slip import cycle_states
 from fretfe.fem.model import Model, Reduction
+from fretfe.fem.reduction import ReducedBody
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import StateArray, blocks
 from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
@@ -43,8 +44,8 @@ from fretfe.surface.gap import LARGEST_MISS, gap_missed
 from fretfe.surface.normals import mean_share
 from fretfe.surface.surface import Surface, curvatures, deviations, normal_vectors
 
-# Forces or moments on a body that do not add up to zero, over the largest of them, from which a
-# solution means nothing. Meshes up to 330 000 unknowns give 1e-12; what is lost grows with the
+# Sum of the forces or moments on a body over that of their sizes from which a solution means
+# nothing. Meshes up to 330 000 unknowns give 1e-12; what is lost grows with the
 # ratio of the stiffnesses of bodies and supports.
 LARGEST_IMBALANCE = 1e-4
 # Forces keep their directions in a linear model: on a contact that turns by this angle, a force of
@@ -130,12 +131,11 @@ def imbalance(solution: Solution) -> ConvergenceError | None:
                 return ConvergenceError(f"{kind}s on a body do not balance. {parted}")
             return ConvergenceError(
                 f"step {solution.step_of(worst)}: expected {kind}s that balance on every body, "
-                f"found a sum of {ratio[worst]:.1e} of the largest of them: round-off has "
-                "destroyed the solution. Check the stiffnesses of the bodies, which may differ by "
-                "a factor of about 1e8 at most, and the units; all steps are kept, but none can be "
-                "trusted. A body that nothing holds but a contact, which opens in this step, may "
-                "have moved away. In a sector the loads must not turn it about its axis either, "
-                "unless a support holds it."
+                f"found that {ratio[worst]:.1e} of them is left over: round-off has destroyed the "
+                "solution. Check the stiffnesses of the bodies, which may differ by a factor of "
+                "about 1e8 at most, and the units; all steps are kept, but none can be trusted. A "
+                "body that nothing holds but a contact, which opens in this step, may have moved "
+                "away."
             )
     return None
 
@@ -195,7 +195,7 @@ def _balance_limit(solution: Solution, kind: str) -> ModelLimit:
     return ModelLimit(
         "",
         Kind.BALANCE,
-        f"sum of the {kind}s on a body over the largest of them",
+        f"sum of the {kind}s on a body over that of their sizes",
         float(solution.imbalance(kind).max()),
         LARGEST_IMBALANCE,
     )
@@ -524,8 +524,9 @@ def _curvatures_near(surface: Surface, points: Array) -> Array:
 def balance(reduction: Reduction, blocks: Iterable[StateBlock]) -> dict[str, Array]:
     """(T,) largest sums of all forces and moments on a body, and their scales, by name.
 
-    The scale of the forces is the largest of them, that of the moments the largest force on a body
-    times its size.
+    The scale of the forces is the sum of their sizes, at each node of contacts and loads: what
+    presses on a body from all sides has a resultant of zero. That of the moments is the same times
+    the size of the body, and the moments of tilted platens.
 
     Args:
         reduction: the bodies.
@@ -546,15 +547,11 @@ def _body_balance(
     body = reduction.bodies[definition.name]
     own = coordinate_range(reduction.interface.coordinates, definition.name)
     coordinates = block.coordinates[:, own]
-    parts = np.stack(
-        [
-            _reactions(reduction, definition, block.forces[:, own]),
-            block.amplitudes @ body.body.load_resultants.T,
-            body.contact_forces(block.traction),
-        ]
-    )
-    largest = np.abs(parts).max(axis=(0, 2))
-    excess = parts.sum(axis=0)
+    reactions, by_reactions, tilting = _reactions(reduction, definition, block.forces[:, own])
+    excess = reactions + block.amplitudes @ body.body.load_resultants.T
+    excess += body.contact_forces(block.traction)
+    scale = by_reactions + np.abs(block.amplitudes) @ body.body.load_sizes
+    scale += _contact_sizes(reduction, body, block.traction)
     moments = np.abs(body.moments(block.traction, coordinates, block.amplitudes)).max(axis=1)
     if (tie := definition.tie) is not None:
         # The neighbours of a sector balance what is across the axis. They cannot keep it from
@@ -566,22 +563,46 @@ def _body_balance(
                 moments = np.maximum(moments, np.abs(force) * arm)
     return {
         "force_imbalance": np.abs(excess).max(axis=1),
-        "force_scale": largest,
+        "force_scale": scale,
         "moment_imbalance": moments,
-        "moment_scale": largest * body.body.size,
+        "moment_scale": scale * body.body.size + tilting,
     }
 
 
-def _reactions(reduction: Reduction, definition: BodyDefinition, forces: Array) -> Array:
-    """(n, d) sum of the forces (n, m) that the constrained boundaries exert on a body.
+def _contact_sizes(reduction: Reduction, body: ReducedBody, traction: Array) -> Array:
+    """(n,) sum of the sizes of the nodal contact forces on a body, for tractions (n, N*d)."""
+    d = reduction.interface.components
+    nodal = traction[:, body.rows].reshape(len(traction), -1, d)
+    return np.linalg.norm(nodal, axis=2) @ reduction.interface.roots[body.rows[::d] // d]
 
-    Parts that overlap push each other.
+
+def _reactions(
+    reduction: Reduction, definition: BodyDefinition, forces: Array
+) -> tuple[Array, Array, Array]:
+    """(n, d) sum of the forces that constrained boundaries exert on a body, and (n,) sizes of them.
+
+    Parts that overlap push each other: their sum is zero, their size is not.
+
+    Args:
+        reduction: the bodies.
+        definition: of the body.
+        forces: (n, m) of its coordinates.
+
+    Returns:
+        The sum, the sizes of the forces together, and those of the moments of tilts.
     """
     d, count = reduction.interface.components, len(definition.constraints)
-    rest = (0.0,) * d
-    directions = [rest if c.overlap else c.direction for c in definition.constraints]
+    directions = np.array([c.direction for c in definition.constraints]).reshape(count, d)
+    pushing = np.array([not c.overlap for c in definition.constraints], dtype=bool)
+    turning = np.array([len(c.axis) > 0 for c in definition.constraints], dtype=bool)
     # Rigid modes restrained by contact come last, and no force acts on them.
-    return np.asarray(forces[:, :count] @ np.array(directions).reshape(count, d))
+    own = forces[:, :count]
+    sizes = np.abs(own)
+    return (
+        own @ (directions * pushing[:, None]),
+        sizes @ np.linalg.norm(directions, axis=1),
+        sizes @ turning,
+    )
 
 
 def farthest_states(model: Model, pair: Pair, recorder: Recorder) -> Indices:

@@ -284,7 +284,7 @@ class Solution:
         return int(np.count_nonzero(inside)) == last - first + 1
 
     def imbalance(self, kind: str) -> Array:
-        """(T,) sum of the forces or moments on a body over the largest of them.
+        """(T,) sum of the forces or moments on a body over that of their sizes.
 
         States whose forces are nothing beside those of the history, as after the bodies have
         parted, have round-off in place of forces: it is compared with what there was before.

@@ -165,7 +165,7 @@ def test_equilibrium_is_judged(solved: Any) -> None:
         assert imbalance(replace(solution, certificates=certificates)) is None
         largest = solution.certificates[f"{kind}_scale"].max()
         assert solution.certificates[f"{kind}_imbalance"].max() < 1e-11 * largest
-    assert limits(result)["sum of the forces on a body over the largest of them"].found < (
+    assert limits(result)["sum of the forces on a body over that of their sizes"].found < (
         LARGEST_IMBALANCE
     )
 
