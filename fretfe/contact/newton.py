@@ -19,9 +19,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from fretfe._typing import Array
+from fretfe._typing import Array, Bools
 from fretfe.contact.interface import Interface, unresisted_motions
-from fretfe.contact.linear_operator import Conditions, FactoredOperator, NestedArea, StuckSolution
+from fretfe.contact.linear_operator import (
+    Conditions,
+    FactoredOperator,
+    NestedArea,
+    Response,
+    StuckSolution,
+)
 from fretfe.contact.state import (
     OPEN,
     SLIP,
@@ -145,8 +151,6 @@ class Newton:
                 solution = self._linear_solution(step, guess)
             except np.linalg.LinAlgError:
                 raise NotConverged(NO_RESISTANCE, iteration) from None
-            if not step.resists(solution.motion):
-                raise NotConverged(NO_RESISTANCE, iteration)
             following = self._rules.following(guess, solution, loads.friction)
             bound = loads.friction * np.abs(solution.traction[:, 0])
             turn = np.abs(following.direction - guess.direction).max(axis=1) * bound
@@ -174,13 +178,44 @@ class Newton:
         if self._glides(guess, step.loads):
             response = stuck.release(replace(conditions, floating=True))
         if response is None or response.residual > EQUILIBRIUM:
-            response = stuck.release(conditions)
-        coordinates = response.coordinates[:, 0]
+            try:
+                response = stuck.release(conditions)
+            except np.linalg.LinAlgError:
+                return self._least_slip(step, stuck, guess, conditions)
+        solution = _solution(step, response)
+        if not step.resists(solution.motion):
+            return self._least_slip(step, stuck, guess, conditions)
+        return solution
+
+    def _least_slip(
+        self, step: LoadedStep, stuck: StuckSolution, guess: Guess, conditions: Conditions
+    ) -> LinearSolution:
+        """Solve conditions under which a body slides on all sides while loads push it no way.
+
+        A body that slips to the left on one side and to the right on the other one is in
+        equilibrium at many places: it takes that to which it slips least.
+
+        Raises:
+            numpy.linalg.LinAlgError: if the loads find no resistance.
+        """
+        interface = self._operator.interface
+        drift = self._unresisted(np.column_stack([guess.closed, guess.status == STICK]))
+        slides = np.repeat(guess.status == SLIP, interface.components - 1)
+        sliding = (interface.motion @ drift).reshape(interface.size, interface.components, -1)
+        sliding = sliding[:, 1:].reshape(len(slides), -1)[slides]
+        # A body that no friction touches is free.
+        if not step.loads.friction.all() or np.linalg.matrix_rank(sliding) < drift.shape[1]:
+            raise np.linalg.LinAlgError
+        response = stuck.release(replace(conditions, floating=True))
+        if not drift.shape[1] or response.residual > EQUILIBRIUM:
+            raise np.linalg.LinAlgError
+        found = _solution(step, response)
+        slip, shear = (each.ravel()[slides] for each in (found.relative[:, 1:], guess.direction))
+        back = drift @ least_motion_back(sliding, slip, shear)
+        moved = (interface.motion @ back).reshape(found.relative.shape)
+        coordinates = found.coordinates - back
         return LinearSolution(
-            traction=response.traction[..., 0],
-            relative=response.relative[..., 0],
-            coordinates=coordinates,
-            motion=step.motion(coordinates),
+            found.traction, found.relative - moved, coordinates, step.motion(coordinates)
         )
 
     def _glides(self, guess: Guess, loads: StepLoads) -> bool:
@@ -191,11 +226,19 @@ class Newton:
         interface = self._operator.interface
         if loads.friction.all() or interface.prescribed.all():
             return False
-        resisting = np.zeros((interface.size, interface.components), dtype=bool)
-        resisting[:, 0] = guess.closed
-        resisting[:, 1:] = (guess.closed & (loads.friction > 0))[:, None]
+        resisting = np.column_stack([guess.closed, guess.closed & (loads.friction > 0)])
+        return self._unresisted(resisting).shape[1] > 0
+
+    def _unresisted(self, resisting: Bools) -> Array:
+        """(m, k) motions that nothing resists.
+
+        Args:
+            resisting: (N, 2) whether a node resists along its normal, and along the surface.
+        """
+        interface = self._operator.interface
+        columns = [0, *[1] * (interface.components - 1)]
         released = ~interface.prescribed
-        return unresisted_motions(interface, released, resisting.ravel()).shape[1] > 0
+        return unresisted_motions(interface, released, resisting[:, columns].ravel())
 
     def _linearised(self, guess: Guess, loads: StepLoads) -> Conditions:
         """Contact conditions linearised at a guess.
@@ -242,6 +285,44 @@ class Newton:
         )
 
 
+def _solution(step: LoadedStep, response: Response) -> LinearSolution:
+    """The one case of a response."""
+    coordinates = response.coordinates[:, 0]
+    return LinearSolution(
+        traction=response.traction[..., 0],
+        relative=response.relative[..., 0],
+        coordinates=coordinates,
+        motion=step.motion(coordinates),
+    )
+
+
+def least_motion_back(sliding: Array, slip: Array, shear: Array) -> Array:
+    """(k,) amplitudes of motions to take back, so that nodes slip least and against their shear.
+
+    If not all can slip against it, they slip least only: those that do not will stick. Least
+    distance programming of Lawson and Hanson, Solving Least Squares Problems (1974), ch. 23.
+
+    Args:
+        sliding: (n, k) slip by the motions, of full rank.
+        slip: (n,) found.
+        shear: (n,) its direction on the same surface.
+    """
+    # Imported where it is needed: few runs need SciPy's optimisation, which takes long.
+    from scipy.optimize import nnls
+
+    units, lengths = np.linalg.qr(sliding)
+    least = units.T @ slip
+    rows, bounds = shear[:, None] * units, shear * (slip - units @ least)
+    size = float(np.abs(bounds).max())
+    wanted = np.append(np.zeros(len(least)), 1.0)
+    constraints = np.vstack([rows.T, bounds / (size or 1.0)])
+    left = constraints @ nnls(constraints, wanted)[0] - wanted
+    # Minus the square of what is left, which is round-off where no place meets all constraints.
+    met = left[-1] < -np.sqrt(np.finfo(float).eps)
+    further = -size * left[:-1] / left[-1] if met else 0.0
+    return np.linalg.solve(lengths, least + further)
+
+
 MAX_BOUNDS = 40
 ITERATIONS_PER_BOUND = 150
 # The status of the nodes is all that Newton needs; it settles long before the tractions do.
@@ -272,12 +353,14 @@ def status_by_fixed_point(
             relaxed = OVER_RELAXATION * free + (1 - OVER_RELAXATION) * traction
             traction = _project(relaxed + multiplier, bound)
             multiplier += relaxed - traction
-        bound = loads.friction * traction[:, 0]
+        used, bound = bound, loads.friction * traction[:, 0]
         scale = np.abs(traction).max(initial=np.finfo(float).tiny)
-        if np.abs(traction - before).max() < TRACTION_TOLERANCE * scale:
+        settled = np.abs(traction - before).max() < TRACTION_TOLERANCE * scale
+        if settled and np.isfinite(used).all():
             break
     shear = np.linalg.norm(traction[:, 1:], axis=1)
-    on_bound = shear >= bound * (1 - TRACTION_TOLERANCE)
+    # Where pressures still change, only the bound that it was held within tells who reached it.
+    on_bound = shear >= used * (1 - TRACTION_TOLERANCE)
     status = np.where(traction[:, 0] <= 0, OPEN, np.where(on_bound, SLIP, STICK)).astype(np.int8)
     direction = np.zeros_like(traction[:, 1:])
     moving = (status == SLIP) & (shear > 0)
