@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.bodies.carried import require_carried
 from fretfe.bodies.continued import coupled_contacts, half_middles
 from fretfe.bodies.definition import (
     ModelDefinition,
@@ -184,6 +185,7 @@ def check(case: Case) -> Checked | None:
     definition = held_model(case, mesh)
     require_possible(case, definition, history)
     require_pressed(case, mesh, history)
+    require_carried(case, mesh, history)
     pairs = coupled_contacts(case, definition, mesh, contact_surfaces(definition, mesh))
     restrained = modes_restrained_by_contact(definition, mesh)
     return Checked(case, history, mesh, definition, pairs, restrained)

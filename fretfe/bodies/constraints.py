@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Container
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -10,10 +11,12 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.bodies.cyclic import Tie
 from fretfe.bodies.point_values import FLAT
-from fretfe.case import Case, unit_vector
+from fretfe.case import Case, complaint, unit_vector
 from fretfe.case.base import AXES
 from fretfe.contact.interface import Course, Resultant
+from fretfe.errors import CaseError
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +58,8 @@ class Constraint:
         within: distance up to which a node is at that place.
         resultant: force or moment that it gives where it holds what moves by a shape.
         overlap: true of tied parts of which its boundary moves against the one that it follows.
+        around: unit vectors (n, c) at points (n, gdim) of a roller along directions about the axis
+            of a sector; None of one along `direction`.
     """
 
     label: str
@@ -68,6 +73,13 @@ class Constraint:
     within: float = 0.0
     resultant: Resultant | None = None
     overlap: bool = False
+    around: Callable[[Array], Array] | None = None
+
+    def along(self, points: Array) -> Array:
+        """(n, c) directions at points (n, gdim) along which a roller holds them."""
+        if self.around is not None:
+            return self.around(points)
+        return np.tile(np.array(self.direction), (len(points), 1))
 
     def holds(self, points: Array) -> Bools:
         """(n,) which nodes of its boundary, at points (n, gdim), it constrains."""
@@ -102,19 +114,36 @@ class Driven(NamedTuple):
     course: Course | None = None
 
 
-def support_constraints(case: Case, size: int) -> list[Driven]:
-    """Components that are held, then the inclined rollers: those go last at a common node."""
-    fixed = [
-        Driven(Constraint(f"{name} {axis}", support.boundary, unit_vector(axis, size)))
-        for name, support in case.supports.items()
-        for axis in support.fix
-        if axis in AXES[:size]
-    ]
-    rollers = [
-        Driven(
-            Constraint(name, support.boundary, unit_vector(support.direction, size), roller=True)
-        )
-        for name, support in case.supports.items()
-        if support.direction is not None
-    ]
+def support_constraints(
+    case: Case, size: int, boundaries: Container[str], tie: Tie | None
+) -> list[Driven]:
+    """Components that are held, then the inclined rollers: those go last at a common node.
+
+    Args:
+        case: the case.
+        size: components of the displacement.
+        boundaries: of the body.
+        tie: of the sides of a sector, if the body has some.
+
+    Raises:
+        CaseError: if a body that has no sides of a sector is held along a direction about its axis.
+    """
+    fixed, rollers = list[Driven](), list[Driven]()
+    for name, support in case.supports.items():
+        on, rest = support.boundary, (0.0,) * size
+        if on not in boundaries:
+            continue
+        if support.direction is not None:
+            along = unit_vector(support.direction, size)
+            rollers.append(Driven(Constraint(name, on, along, roller=True)))
+        for axis in support.fix:
+            label = f"{name} {axis}"
+            if axis in AXES[:size]:
+                fixed.append(Driven(Constraint(label, on, unit_vector(axis, size))))
+            elif axis not in AXES and tie is None:
+                text = f"expected {axis!r} at a body with sides of a sector, found one without"
+                raise CaseError(complaint(case.source, ("supports", name, "fix"), text))
+            elif tie is not None and axis not in AXES:
+                around = tie.radial if axis == "radial" else tie.tangential
+                rollers.append(Driven(Constraint(label, on, rest, roller=True, around=around)))
     return fixed + rollers

@@ -44,7 +44,6 @@ from fretfe.surface.surface import (
     Surface,
     boundary_surface,
     facet_edges,
-    normal_vectors,
     rim_edges,
 )
 
@@ -135,10 +134,17 @@ class Tie:
         size = points.shape[1]
         return np.asarray((points - self.centre) @ self.across[:, :size].T)
 
-    def circumferential(self, point: Array) -> Array:
-        """(c,) unit vector at a point off the axis."""
-        x, y = self.from_axis(point[None])[0]
-        return np.asarray(np.array([-y, x]) @ self.across / np.hypot(x, y))
+    def radial(self, points: Array) -> Array:
+        """(n, c) unit vectors away from the axis at points (n, d); zero on the axis."""
+        arms = self.from_axis(points)
+        length = np.linalg.norm(arms, axis=1, keepdims=True)
+        length[length < SAME * self.size] = np.inf
+        return np.asarray(arms / length @ self.across)
+
+    def tangential(self, points: Array) -> Array:
+        """(n, c) unit vectors about the axis at points (n, d); zero on the axis."""
+        x, y = self.across
+        return np.asarray(self.radial(points) @ (np.outer(x, y) - np.outer(y, x)))
 
     def among(self, own: Array, points: Array) -> Bools:
         """(n,) whether places of the sides (n, d) are among points (m, d)."""
@@ -434,12 +440,9 @@ def _along(side: Surface, centre: Array, across: Array, sense: float) -> float:
     Negative where the body lies ahead of the side: its sheets count as they cover a half plane
     through the axis, however it is curved.
     """
-    at, weights = quadrature(side.shape, GAUSS_POINTS)
-    values = shape_values(side.shape, side.degree, at)
-    x, y = np.moveaxis((np.einsum("qk,fkd->fqd", values, side.nodes) - centre) @ across.T, 2, 0)
-    velocity = sense * np.stack([-y, x], axis=2) @ across
-    normals = normal_vectors(side.nodes, side.shape, side.degree, at)
-    return float(np.einsum("fqd,fqd,q->", normals, velocity, weights))
+    places, vectors = side.integration_points(GAUSS_POINTS)
+    x, y = across @ (places - centre).T
+    return float(np.vdot(vectors, sense * np.column_stack([-y, x]) @ across))
 
 
 def places_on(points: Array, surface: Surface, degree: int) -> _Place:

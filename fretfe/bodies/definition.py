@@ -119,7 +119,8 @@ def _define_body(
             f"({', '.join(sorted(own)) or 'none'}) in a contact of the case."
         )
     own_cuts = [each for each in cuts.values() if each[0].body == name]
-    held = [each for each in support_constraints(case, size) if each.constraint.boundary in own]
+    tie = _tie(case, mesh.bodies[name])
+    held = support_constraints(case, size, own, tie)
     constrained = moved_boundaries(case, mesh.bodies[name], own_cuts) + held
     pairs = [(each.constraint, _coordinate(name, each)) for each in constrained]
     bond = bond_parts(case, mesh.bodies[name], surfaces, pairs)
@@ -131,7 +132,7 @@ def _define_body(
         coordinates=tuple(_coordinate(name, each) for each in constrained),
         surfaces=tuple(surfaces),
         bond=bond,
-        tie=_tie(case, mesh.bodies[name]),
+        tie=tie,
         cuts=tuple(cut for _, cut in own_cuts),
         components=size,
     )

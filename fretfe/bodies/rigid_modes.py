@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import compress
 
 import numpy as np
 from scipy import linalg
@@ -19,7 +20,7 @@ from fretfe.errors import CaseError, ModelError
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.mesh.pieces import connected_groups, point_pieces
 from fretfe.surface.checks import place
-from fretfe.surface.surface import boundary_surface
+from fretfe.surface.surface import Surface, boundary_surface
 
 # Components of a motion below this fraction of the largest are round-off.
 ROUND_OFF = 1e-9
@@ -27,7 +28,7 @@ ROUND_OFF = 1e-9
 TURNING = 1e-6
 # Singular values below this fraction of the largest belong to modes that no constraint restrains: a
 # restrained one moves constrained nodes by about one.
-UNRESTRAINED = 1e-6
+UNRESTRAINED = TURNING
 # A force drives a motion if that moves its platen by this fraction of the body's displacement.
 DRIVEN = 0.01
 
@@ -84,8 +85,7 @@ def _one_in_plane(motion: Array, free: RigidMotions) -> str:
     if abs(motion[2]) <= ROUND_OFF * np.abs(motion).max():
         return f"to move along {_direction(motion[:2])}"
     # u = (a - c y, b + c x) vanishes at x = -b/c, y = a/c
-    fixed = free.centre + free.size * np.array([-motion[1], motion[0]]) / motion[2]
-    return f"to turn about {place(fixed, 4)}"
+    return f"to turn about {_place(np.array([-motion[1], motion[0]]) / motion[2], free)}"
 
 
 def _in_space(free: RigidMotions) -> str:
@@ -200,7 +200,7 @@ def _with_held_sector(case: Case, definition: ModelDefinition, mesh: Mesh) -> Mo
 
     Loads that balance do not turn them: the node exerts no force then.
     """
-    for group in _joined(case, definition):
+    for group in joined(case, definition):
         body = next((each for each in group if each.tie is not None), None)
         if body is None or body.tie is None:
             continue
@@ -210,7 +210,7 @@ def _with_held_sector(case: Case, definition: ModelDefinition, mesh: Mesh) -> Mo
         constraint = Constraint(
             f"{body.name} rotation",
             tie.source,
-            tuple(tie.circumferential(point).tolist()),
+            tuple(tie.tangential(point[None])[0].tolist()),
             roller=True,
             at=tuple(point.tolist()),
             within=SAME * tie.size,
@@ -220,7 +220,7 @@ def _with_held_sector(case: Case, definition: ModelDefinition, mesh: Mesh) -> Mo
             constraints=(*body.constraints, constraint),
             coordinates=(*body.coordinates, Coordinate(constraint.label, body.name, "fixed", "")),
         )
-        if _free_motions([held, *others], mesh)[0].count < _free_motions(group, mesh)[0].count:
+        if free_motions([held, *others], mesh).count < free_motions(group, mesh).count:
             bodies = tuple(held if each is body else each for each in definition.bodies)
             definition = replace(definition, bodies=bodies)
     return definition
@@ -273,9 +273,11 @@ def _unlike(
     share = (shares @ at_leaders) / shares.sum(axis=1).A1
     if ((share > 1 - SAME) != at_followers).any():
         return "it at one side only"
-    rows = [
+    rows = [np.zeros((0, len(tie.turn)))]
+    rows += [
         np.array(each.direction)[None] if each.roller else np.eye(len(tie.turn))[each.components]
         for each, _ in constraints
+        if each.around is None
     ]
     held = np.linalg.pinv(np.concatenate(rows)) @ np.concatenate(rows)
     if at_followers.any() and np.abs(tie.turn @ held @ tie.turn.T - held).max() > SAME:
@@ -344,7 +346,7 @@ def modes_restrained_by_contact(definition: ModelDefinition, mesh: Mesh) -> dict
     """
     found: dict[str, str] = {}
     for body in definition.bodies:
-        free, _ = _free_motions([body], mesh)
+        free = free_motions([body], mesh)
         if free.count:
             found[body.name] = in_words(free)
     return found
@@ -356,12 +358,12 @@ def _require_restraint(case: Case, definition: ModelDefinition, mesh: Mesh) -> N
     Raises:
         ModelError: names the bodies that could still move, and how.
     """
-    for bodies in _joined(case, definition):
-        free, pushed = _free_motions(bodies, mesh)
+    for bodies in joined(case, definition):
+        free = free_motions(bodies, mesh)
         if not free.count:
             continue
         names = sorted(body.name for body in bodies)
-        hint = f" A force holds nothing: {', '.join(pushed)}." if pushed else ""
+        hint = f" A force holds nothing: {', '.join(free.pushed)}." if free.pushed else ""
         raise ModelError(
             f"nothing holds {' and '.join(repr(name) for name in names)}: even if every contact "
             f"were stuck, {'they' if names[1:] else 'it'} would be free {in_words(free)}. Expected "
@@ -370,17 +372,41 @@ def _require_restraint(case: Case, definition: ModelDefinition, mesh: Mesh) -> N
         )
 
 
-def _joined(case: Case, definition: ModelDefinition) -> list[list[BodyDefinition]]:
-    """Bodies that would move as one if every contact were stuck."""
+def joined(
+    case: Case, definition: ModelDefinition, *, rough: bool = False
+) -> list[list[BodyDefinition]]:
+    """Bodies that would move as one if every contact, or every rough one, were stuck."""
     bodies = definition.bodies
     owner = {surface: number for number, body in enumerate(bodies) for surface in body.surfaces}
-    ends = np.array([[owner[c.surface1], owner[c.surface2]] for c in case.contacts.values()])
-    labels = connected_groups(len(bodies), *ends.T)
+    held = [c for c in case.contacts.values() if c.rough or not rough]
+    ends = np.array([[owner[c.surface1], owner[c.surface2]] for c in held], dtype=np.int64)
+    labels = connected_groups(len(bodies), *ends.reshape(-1, 2).T)
     return [[bodies[i] for i in np.flatnonzero(labels == part)] for part in range(labels.max() + 1)]
 
 
-def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMotions, list[str]]:
-    """Unrestrained motions of bodies that move as one, and the forces that drive them."""
+@dataclass(frozen=True)
+class Freedom(RigidMotions):
+    """Motions that nothing resists of bodies that move as one.
+
+    Attributes:
+        pushed: labels of the forces that drive some of them.
+        platens: (k,) amplitudes of the platens of all forces in the motions, by label.
+    """
+
+    pushed: list[str]
+    platens: dict[str, Array]
+
+
+def free_motions(
+    bodies: Sequence[BodyDefinition], mesh: Mesh, seats: Sequence[Surface] = ()
+) -> Freedom:
+    """Unrestrained motions of bodies that move as one.
+
+    Args:
+        bodies: that move.
+        mesh: of all bodies.
+        seats: surfaces on which they slide, if at all.
+    """
     points = np.concatenate([mesh.bodies[body.name].points for body in bodies])
     centre, size = points.mean(axis=0), float(np.ptp(points, axis=0).max())
     components = bodies[0].components
@@ -400,15 +426,20 @@ def _free_motions(bodies: Sequence[BodyDefinition], mesh: Mesh) -> tuple[RigidMo
             )
             rows.append(np.pad(tied, ((0, 0), (0, len(driven)))))
         parts.append(np.concatenate(rows))
+    for seat in seats:
+        places, normals = (each.reshape(-1, seat.dimension) for each in (seat.nodes, seat.normals))
+        motions = rigid_motions((places - centre) / size, components)[:, : seat.dimension]
+        parts.append(np.einsum("nd,ndk->nk", normals, motions))
     held = np.concatenate([rows[:, :count] for rows in parts])
     by_force = linalg.block_diag(*(rows[:, count:] for rows in parts))
     # A unit of each coordinate moves its platen by one at most.
-    by_force /= np.maximum(np.abs(by_force).max(axis=0, initial=1e-300), 1e-300)
-    directions = _null_space(np.hstack([held, by_force]))
+    units = np.maximum(np.abs(by_force).max(axis=0, initial=1e-300), 1e-300)
+    directions = _null_space(np.hstack([held, by_force / units]))
     motions, amplitudes = directions[:count], directions[count:]
     moving = np.abs(amplitudes).max(axis=1, initial=0.0) > DRIVEN
-    pushed = [label for label, moves in zip(labels, moving, strict=True) if moves]
-    return RigidMotions(motions, centre, size), pushed
+    pushed = list(compress(labels, moving))
+    platens = dict(zip(labels, amplitudes / units[:, None], strict=True))
+    return Freedom(motions, centre, size, pushed, platens)
 
 
 def _null_space(rows: Array) -> Array:
@@ -434,7 +465,7 @@ def _constraint_rows(
         points = mesh.points[nodes]
         motions = rigid_motions((points - centre) / size, body.components)
         if constraint.roller:
-            along = np.einsum("d,ndk->nk", constraint.direction, motions)
+            along = np.einsum("nd,ndk->nk", constraint.along(points), motions)
             yield np.pad(along, ((0, 0), (0, len(driven))))
             continue
         rest = 0 * motions[..., 0]

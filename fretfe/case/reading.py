@@ -280,7 +280,8 @@ def _is_axis(axis: Along, dimension: int) -> bool:
 
 def _directions(case: Case) -> Iterator[tuple[Key, Along]]:
     for name, support in case.supports.items():
-        yield from ((("supports", name, "fix", i), axis) for i, axis in enumerate(support.fix))
+        axes = ((i, axis) for i, axis in enumerate(support.fix) if axis in AXES)
+        yield from ((("supports", name, "fix", i), axis) for i, axis in axes)
         if support.direction is not None:
             yield ("supports", name, "direction"), support.direction
     for name, load in case.loads.items():

@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from fretfe.case.base import (
     TAG,
+    Around,
     Axis,
     BoundarySelector,
     Count,
@@ -282,11 +283,12 @@ class Support(Table):
     """A boundary with displacement components, or one along a direction, held at zero."""
 
     boundary: Text = Field(description="Physical group of the boundary.")
-    fix: tuple[Axis, ...] = Field(
+    fix: tuple[Axis | Around, ...] = Field(
         default=(),
         min_length=1,
-        description='Components held at zero: a list of "x", "y", "z". Exactly one of fix and '
-        "direction must be given.",
+        description='Components held at zero: a list of "x", "y", "z", of sectors also "radial" '
+        'and "tangential", which are directions about the axis of the sector. Exactly one of fix '
+        "and direction must be given.",
     )
     direction: Vector | None = Field(
         default=None,

@@ -595,12 +595,14 @@ def _reactions(
     directions = np.array([c.direction for c in definition.constraints]).reshape(count, d)
     pushing = np.array([not c.overlap for c in definition.constraints], dtype=bool)
     turning = np.array([len(c.axis) > 0 for c in definition.constraints], dtype=bool)
+    # About the axis of a sector they have no resultant that its neighbours do not balance.
+    around = np.array([c.around is not None for c in definition.constraints], dtype=bool)
     # Rigid modes restrained by contact come last, and no force acts on them.
     own = forces[:, :count]
     sizes = np.abs(own)
     return (
         own @ (directions * pushing[:, None]),
-        sizes @ np.linalg.norm(directions, axis=1),
+        sizes @ (np.linalg.norm(directions, axis=1) + around),
         sizes @ turning,
     )
 

@@ -60,8 +60,10 @@ class Restraints:
             nodes = elastic.boundary_nodes(constraint.boundary)
             nodes = nodes[constraint.holds(points[nodes])]
             if constraint.roller:
-                for node in nodes.tolist():
-                    self._hold_along(node, np.array(constraint.direction), values[:, node], number)
+                for node, along in zip(
+                    nodes.tolist(), constraint.along(points[nodes]), strict=True
+                ):
+                    self._hold_along(node, along, values[:, node], number)
                 continue
             moved = constraint.displacement(points[nodes])
             for component in constraint.components:

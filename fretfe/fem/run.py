@@ -15,6 +15,7 @@ import numpy as np
 
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.beginning import read_beginning
+from fretfe.bodies.carried import require_carried
 from fretfe.bodies.continued import softest_layer
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
 from fretfe.bodies.expected import require_pressed
@@ -99,9 +100,10 @@ def _solve(
 
 
 def _pressed(case: Case, history: History, load: LoadMesh | None) -> Mesh:
-    """The mesh of a case whose contacts the loads do not only pull apart."""
+    """The mesh of a case whose contacts and supports may carry the loads."""
     mesh = load() if load is not None else load_mesh(case)
     require_pressed(case, mesh, history)
+    require_carried(case, mesh, history)
     return mesh
 
 

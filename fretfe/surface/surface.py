@@ -215,6 +215,14 @@ class Surface:
         """(f,) lengths of the facets, or roots of their areas."""
         return self.measures ** (1 / (self.dimension - 1))
 
+    def integration_points(self, count: int) -> tuple[Array, Array]:
+        """(n, d) Gauss points of all facets, and outward normals (n, d) as long as their areas."""
+        at, weights = quadrature(self.shape, count)
+        values = shape_values(self.shape, self.degree, at)
+        places = np.einsum("qk,fkd->fqd", values, self.nodes)
+        vectors = normal_vectors(self.nodes, self.shape, self.degree, at) * weights[:, None]
+        return places.reshape(-1, self.dimension), vectors.reshape(-1, self.dimension)
+
     @property
     def extent(self) -> float:
         """Length of the whole surface, or the root of its area."""
