@@ -22,12 +22,12 @@ from fretfe.bodies.rigid_modes import (
     joined,
     rigid_motions,
 )
-from fretfe.case import Case
-from fretfe.errors import ModelError
+from fretfe.case import Case, complaint
+from fretfe.errors import CaseError
 from fretfe.loads import History
 from fretfe.mesh.mesh import Mesh
 from fretfe.report.texts import rounded
-from fretfe.surface.mortar import GAUSS_POINTS
+from fretfe.surface.overlap import GAUSS_POINTS
 from fretfe.surface.surface import Surface, boundary_surface, build_surface
 
 # Work over that of the sizes of the forces, below which it is an error of the integration, or of
@@ -39,8 +39,7 @@ def require_carried(case: Case, mesh: Mesh, history: History) -> None:
     """Check that loads do not push or turn bodies where nothing resists.
 
     Raises:
-        ModelError: names the loads, what they move and by which force or torque.
-        CaseError: as `define_model`.
+        CaseError: names the loads, what they move and by which force or torque.
     """
     if not case.symmetry and all(each.rough for each in case.contacts.values()):
         return  # what only friction holds may be held
@@ -61,12 +60,12 @@ def require_carried(case: Case, mesh: Mesh, history: History) -> None:
         excess = np.linalg.norm(np.atleast_2d(total), axis=1)
         worst = int(np.argmax(excess))
         if excess[worst] > NO_WORK * np.abs(every).max(initial=0.0):
-            names = " and ".join(f"loads.{name}" for name, own in works.items() if own[worst].any())
+            names = [name for name, own in works.items() if own[worst].any()]
             remedy = 'a support with fix = ["tangential"]' if sector else "a support, or friction,"
-            raise ModelError(
-                f"{names}: expected {remedy} that carries "
-                f"{_in_words(case, free, total[worst], bodies)}"
-            )
+            others = "".join(f" (with loads.{name})" for name in names[1:])
+            found = _in_words(case, free, total[worst], bodies)
+            text = f"expected {remedy} that carries {found}{others}"
+            raise CaseError(complaint(case.source, ("loads", names[0]), text))
 
 
 def _seats(case: Case, mesh: Mesh, bodies: Sequence[BodyDefinition]) -> list[Surface]:

@@ -57,8 +57,8 @@ Text = Annotated[str, Field(strict=True, min_length=1, max_length=1000)]
 Point = Annotated[tuple[Number, ...], Field(min_length=2, max_length=3)]
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
-# Directions about the axis of a sector.
-Around = Literal["radial", "tangential"]
+# The last two are about the axis of a sector.
+HeldAlong = Literal["x", "y", "z", "radial", "tangential"]
 
 
 Separator = Annotated[

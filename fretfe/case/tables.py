@@ -11,10 +11,9 @@ from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
 
 from fretfe.case.base import (
     TAG,
-    Around,
-    Axis,
     BoundarySelector,
     Count,
+    HeldAlong,
     Name,
     NotNegative,
     Number,
@@ -283,7 +282,7 @@ class Support(Table):
     """A boundary with displacement components, or one along a direction, held at zero."""
 
     boundary: Text = Field(description="Physical group of the boundary.")
-    fix: tuple[Axis | Around, ...] = Field(
+    fix: tuple[HeldAlong, ...] = Field(
         default=(),
         min_length=1,
         description='Components held at zero: a list of "x", "y", "z", of sectors also "radial" '

