@@ -12,7 +12,7 @@ import functools
 import math
 import re
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from enum import IntEnum
 from itertools import pairwise
@@ -37,8 +37,14 @@ SHELL = re.compile(r"(?:M3D|STRI|S)\d")
 SIDE = re.compile(r"([SE])([1-6])\Z")
 # Faces of a shell in Abaqus and in CalculiX.
 FACES = ("SPOS", "SNEG", "S1", "S2")
-# Number of nodes in the name of a type.
-NODES = re.compile(r"(?:(?:CPEG|CPE|CPS|CAX|M3D|STRI|S)([34689])|(?:C3D)(\d+)|[TR][23]D([234]))")
+# Types of one node, whose digits are dimensions; triangular shells, whose second digit is that of
+# degrees of freedom; lines and shells of revolution, whose last digit is their order.
+ONE_NODE = re.compile(r"MASS|ROTARYI|HEATCAP|DCOUP")
+TRIANGULAR_SHELL = re.compile(r"STRI(\d)")
+OF_ORDER = re.compile(r"(?:B[23]|PIPE[23]|ELBOW3|SAX|MAX|SFMAX)([123])")
+# All others: a family, perhaps with its dimension, and the number of nodes (Abaqus Elements Guide,
+# Element index; CalculiX has the same names). Types of users are called U and a number.
+NUMBERED = re.compile(r"(?!U\d)[A-Z]+(?:[123]D)?(\d+)")
 # Numbers of nodes and elements are smaller; those of instance i are i times this one larger.
 STRIDE = 10**9
 
@@ -546,24 +552,46 @@ def _nodes(level: Level, card: Card) -> None:
 def _elements(level: Level, card: Card) -> None:
     card.refuse("INPUT", "FILE", "OFFSET")
     kind = card.required("TYPE")
-    found = NODES.match(kind)
-    count = int(next(filter(None, found.groups()))) if found else math.inf
     numbers: list[int] = []
-    unfinished: list[int] = []
-    for row in card.rows:
-        unfinished += [level.number(value) for value in row if value]
-        # after a comma at the end the nodes go on in the next row, if there are more
-        if unfinished and (row[-1] or len(unfinished) > count):
-            number, *nodes = unfinished
-            if number in level.elements:
-                raise ValueError(f"element {number} is defined twice")
-            level.elements[number] = (kind, tuple(nodes))
-            numbers.append(number)
-            unfinished = []
-    if unfinished:
-        raise ValueError(f"the nodes of element {unfinished[0]} are not complete")
+    for values in _records(card.rows, node_count(kind)):
+        number, *nodes = map(level.number, values)
+        if number in level.elements:
+            raise ValueError(f"element {number} is defined twice")
+        level.elements[number] = (kind, tuple(nodes))
+        numbers.append(number)
     if name := card.name("ELSET"):
         level.element_sets.setdefault(name, []).extend(numbers)
+
+
+def node_count(kind: str) -> int | None:
+    """Number of nodes of a type of element, by its name in capitals; None for one without it."""
+    if ONE_NODE.match(kind):
+        return 1
+    if order := OF_ORDER.match(kind):
+        return 3 if order[1] == "2" else 2
+    found = TRIANGULAR_SHELL.match(kind) or NUMBERED.match(kind)
+    return int(found[1]) if found else None
+
+
+def _records(rows: Iterable[list[str]], count: int | None) -> Iterator[list[str]]:
+    """Number and nodes of each element, which may go on in the next row.
+
+    It does so while its type has as many nodes more: some programs end each row with a comma,
+    others none that goes on. Of a type whose nodes are not known a comma at the end goes on.
+    """
+    found: list[str] = []
+    open_end = False
+    for row in rows:
+        values = [value for value in row if value]
+        if count is not None:
+            open_end = len(found) <= count and len(found) + len(values) <= count + 1
+        if found and not open_end:
+            yield found
+            found = []
+        found += values
+        open_end = not row[-1]
+    if found:
+        yield found
 
 
 def _members(level: Level, card: Card, word: str) -> list[int]:

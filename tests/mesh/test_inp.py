@@ -15,6 +15,7 @@ from fretfe.case import Body, parse_case
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.gmsh import RawMesh
+from fretfe.mesh.inp import read_deck
 from fretfe.mesh.inp_cards import included_files
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.inp_outline import outline
@@ -172,6 +173,63 @@ def test_what_is_not_understood(tmp_path: Path, old: str, new: str, message: str
     if new == "S4":
         text = text.replace(", S3", ", S1")
     assert message in " ".join(refused(tmp_path, text).split())
+
+
+CORNERS = {
+    1: (0, 0, 0), 2: (1, 0, 0), 3: (1, 1, 0), 4: (0, 1, 0),
+    5: (0, 0, 1), 6: (1, 0, 1), 7: (1, 1, 1), 8: (0, 1, 1),
+}  # fmt: skip
+EDGES = ((1, 2), (2, 3), (3, 4), (4, 1), (5, 6), (6, 7), (7, 8), (8, 5), (1, 5), (2, 6), (3, 7),
+         (4, 8))  # fmt: skip
+
+
+@pytest.mark.parametrize("parts", [(16, 5), (11, 10), (9, 8, 4), (21,)])
+@pytest.mark.parametrize("comma", ["", ","])
+def test_rows_of_twenty_nodes(tmp_path: Path, parts: tuple[int, ...], comma: str) -> None:
+    """Nodes are counted by the type, wherever a row ends and whether a comma says so or not."""
+    places: dict[int, tuple[float, ...]] = dict(CORNERS)
+    for number, (a, b) in enumerate(EDGES, 9):
+        places[number] = tuple((p + q) / 2 for p, q in zip(CORNERS[a], CORNERS[b], strict=True))
+    nodes = "".join(f"{n}, {x}, {y}, {z}\n" for n, (x, y, z) in places.items())
+    values, rows, last = [7, *places], "", 0
+    for part in parts:
+        rows += ", ".join(map(str, values[last : last + part])) + comma + "\n"
+        last += part
+    deck = f"*NODE\n{nodes}*ELEMENT, TYPE=C3D20R, ELSET=CUBE\n{rows}*SURFACE, NAME=TOP\n7, S2\n"
+    (tmp_path / "cube.inp").write_text(deck)
+    raw = read_inp(tmp_path / "cube.inp", {"cube": STEEL}, ["top"], ({}, {}))
+    assert [each.nodes.shape for each in raw.bodies["cube"]] == [(1, 27)]
+    assert [each.nodes.shape for each in raw.boundaries["top"]] == [(1, 9)]
+
+
+# Of the element guides of Abaqus and CalculiX.
+TYPES = {
+    1: "MASS ROTARYI HEATCAP DCOUP2D DCOUP3D SPRING1",
+    2: "B21 B23 B31 B31OS B33H PIPE31 ELBOW31 SAX1 SFMAX1 T2D2 T3D2H R2D2 RAX2 CONN3D2 DC1D2",
+    3: "B22 B32R PIPE22 ELBOW32 SAX2 MAX2 T3D3 CPE3 STRI3 S3R R3D3 M3D3",
+    4: "CPE4R CPS4I CAX4H CGAX4 C3D4 S4R R3D4 SFM3D4 COH2D4 DC2D4",
+    6: "STRI65 CPEG6M C3D6 SC6R S6",
+    8: "CPE8R S8R5 C3D8I SC8R CSS8 COH3D8 DC3D8 M3D8",
+    10: "C3D10HS",
+    20: "C3D20RH",
+    27: "C3D27R",
+}
+
+
+@pytest.mark.parametrize(
+    ("kind", "count"), [(kind, count) for count, kinds in TYPES.items() for kind in kinds.split()]
+)
+def test_elements_whose_rows_all_end_with_a_comma(tmp_path: Path, kind: str, count: int) -> None:
+    nodes = ", ".join(map(str, range(1, count + 1)))
+    rows = f"*ELEMENT, TYPE={kind}, ELSET=MORE\n" + "".join(f"{n}, {nodes},\n" for n in (91, 92))
+    (tmp_path / "pad.inp").write_text(DECK + rows)
+    found = read_deck(tmp_path / "pad.inp").elements
+    assert {number: len(found[number][1]) for number in (91, 92)} == {91: count, 92: count}
+
+
+def test_a_node_that_is_missing_is_told_of_its_element(tmp_path: Path) -> None:
+    message = refused(tmp_path, DECK.replace("2, 2, 3, 7, 6\n", "2, 2, 3, 7\n"))
+    assert "element 2 of type CPE4: expected 4 nodes, found 3" in message
 
 
 def test_what_is_not_used_is_no_obstacle(tmp_path: Path) -> None:
