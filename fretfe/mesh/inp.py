@@ -26,10 +26,10 @@ from fretfe.files import MOST_MEMBERS, MOST_PLACED
 from fretfe.mesh.inp_cards import Card, cards
 from fretfe.mesh.inp_language import ACTING, ANALYSIS, JOINED, REFERENCES, REFUSED
 
-# Say nothing of the model.
-TITLES = ("HEADING",)
 # Parameters of a rigid body that is an analytical surface and nothing of the mesh.
 ANALYTICAL = {"ANALYTICALSURFACE", "REFNODE", "POSITION", "ISOTHERMAL"}
+# Laws of *SURFACE BEHAVIOR, the first of which is that of a case.
+OVERCLOSURES = ("HARD", "EXPONENTIAL", "LINEAR", "TABULAR", "SCALEFACTOR", "TIED")
 # A type of *MODEL CHANGE that says nothing of the mesh.
 CONTACT = "CONTACTPAIR"
 # Shells and membranes, whose sides are called otherwise.
@@ -175,7 +175,9 @@ class Deck(Level):
         materials: by name.
         unused: how often there was each keyword that says nothing of the mesh.
         analysis: keywords of contacts and steps, which are among these.
+        title: of the model; empty without one.
         ties: file and line, and the two surfaces, of parts that are bonded.
+        cyclic: ties of the sides of sectors, and what says how many these are.
         couplings: keywords with reference nodes.
         unnamed: surfaces that have their names here, with the number of their nodes.
     """
@@ -184,7 +186,9 @@ class Deck(Level):
     materials: dict[str, Material] = field(default_factory=dict)
     unused: Counter[str] = field(default_factory=Counter)
     analysis: list[Card] = field(default_factory=list)
+    title: str = ""
     ties: list[tuple[str, str, str]] = field(default_factory=list)
+    cyclic: list[Card] = field(default_factory=list)
     couplings: list[Card] = field(default_factory=list)
     unnamed: dict[str, int] = field(default_factory=dict)
 
@@ -215,7 +219,7 @@ class Deck(Level):
         """Elements of an element set, or that hang together with the surface or node set."""
         if label in self.element_sets:
             return self.element_sets[label]
-        wanted = {self.pieces.get(node) for node in self._nodes_at(label)}
+        wanted = {self.pieces.get(node) for node in self.nodes_at(label)}
         return [number for number, (_, own) in self.elements.items()
                 if wanted and self.pieces[own[0]] in wanted]  # fmt: skip
 
@@ -231,7 +235,7 @@ class Deck(Level):
 
         joined_nodes = [nodes for _, nodes in self.elements.values()]
         joined_nodes += [
-            (*self._nodes_at(one), *self._nodes_at(other)) for _, one, other in self.ties
+            (*self.nodes_at(one), *self.nodes_at(other)) for _, one, other in self.ties
         ]
         rows = np.repeat(np.arange(len(joined_nodes)), [*map(len, joined_nodes)])
         numbers, columns = np.unique(
@@ -242,10 +246,11 @@ class Deck(Level):
         pieces = connected_components(joined, directed=False)[1][len(joined_nodes) :]
         return dict(zip(numbers.tolist(), pieces.tolist(), strict=True))
 
-    def _nodes_at(self, label: str) -> tuple[int, ...]:
-        """Nodes of a node set, or of the elements that have sides in a surface."""
-        sides = self.surfaces.get(label, ())
-        nodes = (node for number, _ in sides for node in self.elements[number][1])
+    def nodes_at(self, label: str) -> tuple[int, ...]:
+        """Nodes of a node set, of an element set, or of the elements with sides in a surface."""
+        elements = [number for number, _ in self.surfaces.get(label, ())]
+        elements += self.element_sets.get(label, ())
+        nodes = (node for number in elements for node in self.elements[number][1])
         return (*nodes, *self.node_sets.get(label, ()))
 
     def named(self, name: str) -> bool:
@@ -308,9 +313,8 @@ def _refuse_keyword(card: Card) -> None:
     tied = "TIED" in card.parameters or overclosure in ("TI", "TIE", "TIED")
     # which contacts there are, the case says
     of_contact = card.word == "MODELCHANGE" and card.choice("TYPE", "ELEMENT", CONTACT) == CONTACT
-    turned = card.word == "TIE" and "CYCLICSYMMETRY" in card.parameters
-    if (card.word in REFUSED or tied or turned) and not of_contact:
-        with_word = " with TIED" if tied else " with CYCLIC SYMMETRY" if turned else ""
+    if (card.word in REFUSED or tied) and not of_contact:
+        with_word = " with TIED" if tied else ""
         raise MeshError(
             f"{card.place}: *{card.keyword}{with_word} is not supported; "
             f"{REFUSED.get(card.word, JOINED)}"
@@ -340,6 +344,17 @@ class _Reader:
 
     def read(self, card: Card) -> None:
         """Read one; those that say nothing of the mesh are counted."""
+        if card.word == "HEADING":
+            self.deck.title = self.deck.title or ", ".join((card.rows or [[""]])[0])
+            return
+        if card.word == "SURFACEBEHAVIOR":
+            hard, *_ = OVERCLOSURES
+            if card.choice("PRESSURE-OVERCLOSURE", *OVERCLOSURES) == hard:
+                return
+        if card.word == "CYCLICSYMMETRYMODEL" or "CYCLICSYMMETRY" in card.parameters:
+            card.require_text()
+            self.deck.cyclic.append(card)
+            return
         if card.word == "TIE":
             card.require_text()
             pairs = [[value.strip('"').upper() for value in row[:2]] for row in card.rows]
@@ -353,7 +368,7 @@ class _Reader:
         read, block = _READERS.get(card.word), self._blocks.get(card.word)
         of_material = _OF_MATERIALS.get(card.word) if self._material is not None else None
         if block is None and read is None and of_material is None and card.word != "SURFACE":
-            self.deck.unused.update([card.keyword] if card.keyword not in TITLES else ())
+            self.deck.unused.update([card.keyword])
             self.deck.analysis += [card] if card.word in (*ANALYSIS, *ACTING) else []
             return
         card.require_text()

@@ -6,7 +6,8 @@ from __future__ import annotations
 import math
 import re
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping, Set
+from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,13 +15,16 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.case import AnyBody, Selector
+from fretfe.case.tables import Part
 from fretfe.errors import MeshError
 from fretfe.mesh.elements import SOLID_TYPES, TYPES, complete, in_gmsh_order
 from fretfe.mesh.gmsh import ElementBlock, RawMesh
 from fretfe.mesh.inp import FACES, Constant, Deck, Material, Side, read_deck
-from fretfe.mesh.inp_references import require_led
+from fretfe.mesh.inp_demands import NOTHING, Uses, require
+from fretfe.mesh.inp_language import ANALYSIS
 from fretfe.mesh.inp_shapes import Facet, sides, without_double_nodes
 from fretfe.mesh.inp_unnamed import name_surfaces
+from fretfe.mesh.part import distances
 from fretfe.mesh.planes import upright
 from fretfe.mesh.templates import did_you_mean
 
@@ -48,8 +52,8 @@ def read_inp(
     bodies: Mapping[str, AnyBody | None],
     boundaries: Iterable[str],
     selectors: tuple[Mapping[str, Selector], Mapping[str, Selector]],
-    ties: Iterable[tuple[str, str]] = (),
-    led: Iterable[str] = (),
+    uses: Uses = NOTHING,
+    part: Part | None = None,
 ) -> RawMesh:
     """The bodies and boundaries of a case, by the names of sets and surfaces in the file.
 
@@ -59,24 +63,24 @@ def read_inp(
             belong to one of them, or all plane ones where there are no solid ones.
         boundaries: names of the boundaries in the case.
         selectors: names in the file of bodies and of boundaries whose name is another one there.
-        ties: names of the boundaries that the case ties.
-        led: names of the boundaries that the case holds, or moves as one rigid piece.
+        uses: what the case does with boundaries, by their names in the file.
+        part: that is cut out of the mesh: of what has no node there nothing is asked.
 
     Raises:
         MeshError: the file cannot be read, or lacks a set.
     """
     deck = read_deck(path)
-    _require_ties(deck, {frozenset(_label(each, selectors[1]) for each in tie) for tie in ties})
-    require_led(deck, {_label(name, selectors[1]) for name in led})
     numbers = sorted(deck.nodes)
     place = {number: index for index, number in enumerate(numbers)}
     points = np.array([deck.nodes[number] for number in numbers])
     dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = supported_cells(path, deck, dimension)
+    inside = _inside(deck, points, place, dimension, part)
+    cells = supported_cells(path, deck, dimension, inside)
     members = {
-        name: _body_elements(path, deck, name, _label(name, selectors[0]), cells) for name in bodies
+        name: _body_elements(path, deck, name, label_of(name, selectors[0]), cells)
+        for name in bodies
     }
-    _require_all_elements(path, deck, cells, members)
+    _require_all_elements(path, deck, cells, members, inside)
     named = {
         name: _blocks(
             ([place[n] for n in _whole(path, deck, each, dimension)] for each in elements),
@@ -88,25 +92,34 @@ def read_inp(
     groups = Groups(path, deck, dimension, own)
     outside = {}
     for name in boundaries:
-        facets = groups.boundary(name, _label(name, selectors[1]))
+        facets = groups.boundary(name, label_of(name, selectors[1]))
         rows = ([place[n] for n in facet.nodes] for facet in facets)
         outside[name] = _blocks(rows, dimension - 1)
+    require(deck, dimension, uses, groups.key, lambda label: groups.reaches(label, inside))
     notes = (
-        *unused(path, deck, cells.keys() | groups.used),
+        *unused(path, deck, cells.keys() | groups.used, _translated(deck)),
         *_material_notes(path, deck, bodies, members),
     )
     return complete(RawMesh(points, dimension, named, outside, notes))
 
 
-def _require_ties(deck: Deck, known: Set[frozenset[str]]) -> None:
-    """Check that a case has the ties of a deck: without one its parts would come apart."""
-    for place, one, other in deck.ties:
-        if frozenset((one, other)) not in known:
-            raise MeshError(
-                f"{place}: *TIE of {one} and {other}, which the case does not tie: expected a table"
-                f' [ties.NAME] with boundary1 = "{one}" and boundary2 = "{other}", and one body'
-                f' with both, as by the label "{one}"'
-            )
+def _inside(
+    deck: Deck, points: Array, place: Mapping[int, int], dimension: int, part: Part | None
+) -> set[int]:
+    """Nodes near the centre of a part; all without one."""
+    if part is None:
+        return set(deck.nodes)
+    if dimension == 2:
+        kinds = (nodes for kind, nodes in deck.elements.values() if PLANE.match(kind))
+        own = [place[node] for nodes in kinds for node in nodes if node in place]
+        points, _ = upright(points, np.array(own))
+    near = distances(part, points[:, :dimension]) <= part.radius
+    return {number for number, index in place.items() if near[index]}
+
+
+def _translated(deck: Deck) -> set[str]:
+    """Keywords that become a case of its own, which has them in its tables."""
+    return {card.keyword for card in deck.analysis if card.word in ANALYSIS}
 
 
 def unused(path: Path, deck: Deck, used: Set[int], read: Set[str] = frozenset()) -> Iterator[str]:
@@ -230,14 +243,22 @@ def _constant_text(constant: Constant) -> str:
     return f"{constant:.9g}"
 
 
-def _label(name: str, selectors: Mapping[str, Selector]) -> str:
+def label_of(name: str, selectors: Mapping[str, Selector]) -> str:
     """The name in the file, in capitals."""
     selector = selectors.get(name)
     return ((selector.label if selector else None) or name).upper()
 
 
-def supported_cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[int, ...]]:
+def supported_cells(
+    path: Path, deck: Deck, dimension: int, inside: Set[int] | None = None
+) -> dict[int, tuple[int, ...]]:
     """Nodes of the elements that bodies are made of.
+
+    Args:
+        path: of the file.
+        deck: what was read.
+        dimension: of the bodies.
+        inside: nodes; elements without any of them are not refused. All without it.
 
     Raises:
         MeshError: elements that are not supported, or without all their nodes.
@@ -251,6 +272,8 @@ def supported_cells(path: Path, deck: Deck, dimension: int) -> dict[int, tuple[i
                     "not supported"
                 )
         match = BODY_ELEMENTS[dimension].match(kind)
+        if not match and inside is not None and inside.isdisjoint(nodes):
+            continue
         known = match or FACET_ELEMENTS[dimension].match(kind) or LINE.match(kind)
         if not known and not HARMLESS.match(kind):
             raise MeshError(
@@ -296,9 +319,14 @@ def _body_elements(
 
 
 def _require_all_elements(
-    path: Path, deck: Deck, cells: Mapping[int, object], members: Mapping[str, list[int]]
+    path: Path,
+    deck: Deck,
+    cells: Mapping[int, tuple[int, ...]],
+    members: Mapping[str, list[int]],
+    inside: Set[int],
 ) -> None:
     loose = cells.keys() - {number for numbers in members.values() for number in numbers}
+    loose = {number for number in loose if not inside.isdisjoint(cells[number])}
     if loose:
         raise MeshError(
             f"{path}: expected all elements in one of the bodies {', '.join(members)}, but "
@@ -351,6 +379,21 @@ class Groups:
             uses = Counter(facet.corners for facet in facets)
             self._exterior += _outside([each for each in facets if uses[each.corners] == 1])
         name_surfaces(deck, self._exterior)
+
+    def key(self, label: str) -> Hashable:
+        """The same for different names of the same facets; a name itself that has none."""
+        return frozenset((each.element, each.side) for each in self._found(label)) or label
+
+    def reaches(self, label: str, nodes: Set[int]) -> bool:
+        """True if a surface or set has one of some nodes."""
+        own = {node for facet in self._found(label) for node in facet.nodes}
+        return not nodes.isdisjoint(own or self._deck.nodes_at(label))
+
+    def _found(self, label: str) -> list[Facet]:
+        """The facets of a boundary; none where it is no boundary."""
+        with suppress(MeshError):
+            return self.boundary(label, label)
+        return []
 
     def boundary(self, name: str, label: str) -> list[Facet]:
         """The facets of a boundary, at least one."""

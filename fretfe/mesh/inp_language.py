@@ -69,6 +69,8 @@ OPEN_PARAMETERS: dict[str, tuple[str, ...]] = {
         *("ADJUST", "CONSTRAINTRATIO", "CYCLICSYMMETRY", "NAME", "NOROTATION", "NOTHICKNESS"),
         *("POSITIONTOLERANCE", "TIEDNSET", "TYPE"),
     ),
+    "CYCLICSYMMETRYMODEL": ("CHECK", "ELSET", "N", "NGRAPH", "TIE"),
+    "HEADING": (),
     "BOUNDARY": ("AMPLITUDE", "FIXED", "OP", "SUBMODEL", "TYPE", "USER"),
     **dict.fromkeys(("CLOAD", "DLOAD", "DSLOAD"), ("AMPLITUDE", "FOLLOWER", "OP", "USER")),
     "RIGIDBODY": (
@@ -98,6 +100,16 @@ JOINED = (
     "it joins nodes or parts, which would come apart here: mesh them as one part with common "
     "nodes, or make them bodies of their own in contact"
 )
+# What has a stiffness that no elements of bodies have.
+_STIFFNESS = (
+    "its stiffness is not that of any element of a body, and a model without it would be another "
+    "one: mesh what it stands for with elements of bodies"
+)
+_SPRING = (
+    "springs and connectors are not known, and a model without them would be another one: mesh "
+    "what they stand for, or put a support or a force in their place"
+)
+_RIGID = "rigid bodies need a mesh: mesh it, with a large Young's modulus, or hold what it holds"
 _CUT = (
     "cut the mesh of the bolt in two there, so that both sides have nodes and a surface of their "
     "own, tie these by [ties.NAME], and tighten the bolt by a load of type pretension of that tie"
@@ -113,14 +125,18 @@ REFUSED = {
     ),
     **dict.fromkeys(
         (
-            *("MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT"),
-            *("SHELLTOSOLIDCOUPLING", "CYCLICSYMMETRYMODEL", "FASTENER"),
-            *("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
-            *("BONDEDREGION", "COHESIVEBEHAVIOR", "RELEASE", "JOINT", "CONNECTORSECTION"),
-            *("RIGIDSURFACE", "IMPLICITRIGIDBODY", "SPRING", "DASHPOT", "DISPLAYBODY"),
+            *("MPC", "EQUATION", "NETWORKMPC", "EMBEDDEDELEMENT", "SHELLTOSOLIDCOUPLING"),
+            *("FASTENER", "BONDEDREGION", "COHESIVEBEHAVIOR"),
         ),
         JOINED,
     ),
+    **dict.fromkeys(
+        ("SUBSTRUCTUREGENERATE", "SUBSTRUCTUREPROPERTY", "MATRIXASSEMBLE", "USERELEMENT"),
+        _STIFFNESS,
+    ),
+    **dict.fromkeys(("SPRING", "DASHPOT", "JOINT", "RELEASE", "CONNECTORSECTION"), _SPRING),
+    **dict.fromkeys(("RIGIDSURFACE", "IMPLICITRIGIDBODY"), _RIGID),
+    "DISPLAYBODY": "it is shown and not solved: leave its instance out",
 }
 # Keywords that are not read and change what a model does: a case without them is another one.
 ACTING = (

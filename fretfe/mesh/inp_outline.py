@@ -22,6 +22,7 @@ from fretfe.mesh.inp_groups import (
     supported_cells,
     unused,
 )
+from fretfe.mesh.inp_sectors import sectors
 from fretfe.mesh.inp_steps import Proposal, propose
 from fretfe.mesh.planes import PLANE_TOLERANCE
 
@@ -78,6 +79,8 @@ def _lines(
     """The case file."""
     facets = _of_kind(deck, FACET_ELEMENTS[dimension])
     names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
+    if deck.title:
+        yield from (f"title = {_quoted(deck.title)}", "")
     if dimension == 2:
         yield from _model(deck, cells.keys())
     yield "[geometry]"
@@ -93,7 +96,8 @@ def _lines(
         yield from _body(deck, name, [each for each in deck.elements_of(label) if each in cells])
     ties = {f"tie{n}": {"boundary1": one, "boundary2": other}
             for n, (_, one, other) in enumerate(deck.ties, start=1)}  # fmt: skip
-    yield from _tables({"ties": ties, "contacts": found.contacts, "supports": found.supports,
+    yield from _tables({"ties": ties, "contacts": found.contacts,
+                        "symmetry": _symmetry(deck, dimension), "supports": found.supports,
                         "loads": found.loads})  # fmt: skip
     if found.cycle is not None:
         start, end = found.cycle
@@ -121,6 +125,18 @@ def _proposal(
         return Proposal(lacks=[f"{path.name}: contacts, supports and loads: {turned}"])
     groups = Groups(path, deck, dimension, [list(cells.items())])
     return propose(deck, dimension, lambda label: groups.boundary(label, label))
+
+
+def _symmetry(deck: Deck, dimension: int) -> dict[str, dict[str, Any]]:
+    """Tables of sectors."""
+    return {
+        f"sector{number}": {
+            "type": "cyclic", "boundary1": each.sides[0], "boundary2": each.sides[1],
+            "sectors": each.count, "centre": each.centre[:dimension].tolist(),
+            **({"axis": each.axis.tolist()} if dimension == 3 else {}),
+        }
+        for number, each in enumerate(sectors(deck, dimension), start=1)
+    }  # fmt: skip
 
 
 def _in_pieces(

@@ -8,7 +8,7 @@ Rigid body definition; CalculiX has the same, with a node of its own for rotatio
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 from fretfe.errors import MeshError
@@ -71,25 +71,6 @@ def references(deck: Deck) -> list[Reference]:
                 "here: make them one surface of one body"
             )
     return found
-
-
-def require_led(deck: Deck, led: Collection[str]) -> None:
-    """Check that a case moves or holds what a deck moves as one rigid piece.
-
-    Args:
-        deck: as it was read.
-        led: names in the deck of the boundaries that a case moves or holds.
-
-    Raises:
-        MeshError: names the first that it does not.
-    """
-    for each in references(deck):
-        if each.rigid and each.label not in led:
-            raise MeshError(
-                f"{each.card.place}: *{each.card.keyword} moves {each.label} as one rigid piece, "
-                f"which the case does not: expected a load of type platen with boundary = "
-                f'"{each.label}", or a support of it'
-            )
 
 
 def _pairs(cards: Sequence[Card]) -> Iterator[tuple[Card, Card]]:

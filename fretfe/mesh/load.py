@@ -21,10 +21,11 @@ from fretfe.mesh.cad import cad_model
 from fretfe.mesh.contained import raw_mesh_of
 from fretfe.mesh.extrusion import BACK, FRONT, Ends, SectorSides, extrude
 from fretfe.mesh.gmsh import RawMesh
-from fretfe.mesh.inp_groups import read_inp
+from fretfe.mesh.inp_demands import Uses
+from fretfe.mesh.inp_groups import label_of, read_inp
 from fretfe.mesh.make import SetSizes, mesh_model, mesh_script, mesh_template, read_mesh
 from fretfe.mesh.mesh import Mesh, check_groups, named_boundaries
-from fretfe.mesh.part import around_ball, part_of
+from fretfe.mesh.part import around_ball, cut_name, part_of
 from fretfe.mesh.sizing import Sizes, apply_sizes, apply_sizes_on_faces
 from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.templates import Template, find_template, read_template
@@ -301,12 +302,27 @@ def _read_inp(case: Case, path: Path) -> RawMesh:
     geometry = case.geometry
     bodies = {name: case.bodies.get(name) for name in [*case.bodies, *geometry.bodies]}
     made = {f"{name}_{end}" for name in bodies for end in (FRONT, BACK) if geometry.solid}
+    made |= {cut_name(name) for name in bodies if geometry.part}
     named = [name for _, name in named_boundaries(case) if name not in made]
     boundaries = dict.fromkeys([*named, *geometry.boundaries])
-    ties = [(tie.boundary1, tie.boundary2) for tie in case.ties.values()]
+    part = geometry.part
+    if part is not None and geometry.solid is not None:
+        part = around_ball(part, geometry.solid)
+    selectors = (geometry.bodies, geometry.boundaries)
+    return read_inp(path, bodies, boundaries, selectors, _uses(case), part)
+
+
+def _uses(case: Case) -> Uses:
+    """Uses of the boundaries of a deck in a case, by their names there."""
+    label = partial(label_of, selectors=case.geometry.boundaries)
     led = [support.boundary for support in case.supports.values()]
     led += [load.on for load in case.loads.values() if load.rigid or load.moves]
-    return read_inp(path, bodies, boundaries, (geometry.bodies, geometry.boundaries), ties, led)
+    return Uses(
+        [(label(tie.boundary1), label(tie.boundary2)) for tie in case.ties.values()],
+        {(label(each.boundary1), label(each.boundary2)): each.sectors
+         for each in case.symmetry.values()},
+        {label(name) for name in led},
+    )  # fmt: skip
 
 
 def _require_names(case: Case, kind: FileKind) -> None:

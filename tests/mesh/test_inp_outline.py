@@ -332,6 +332,25 @@ def test_the_beginning_of_a_case(tmp_path: Path) -> None:
         assert Body.model_validate(body) == Body.model_validate(steel), name
 
 
+def test_the_title_and_the_sectors_of_a_deck(tmp_path: Path) -> None:
+    sides = "*NSET, NSET=L\n1, 4\n*NSET, NSET=R\n2, 3\n"
+    cyclic = (
+        "*TIE, CYCLIC SYMMETRY, NAME=Side 1\nL, R\n"
+        "*CYCLIC SYMMETRY MODEL, N=12\n0., -9., 0., 0., -9., 1.\n"
+    )
+    hard = "*SURFACE INTERACTION, NAME=I\n*SURFACE BEHAVIOR, PRESSURE-OVERCLOSURE=HARD\n"
+    path = tmp_path / "pad.inp"
+    path.write_text(f"*HEADING\nPad, of the year 2\nmore\n{FLAT}{sides}{cyclic}{hard}")
+    lines = outline(path).lines
+    tables = tomllib.loads("\n".join(lines))
+    assert tables["title"] == "Pad, of the year 2"
+    assert tables["symmetry"] == {
+        "sector1": {"type": "cyclic", "boundary1": "L", "boundary2": "R", "sectors": 12,
+                   "centre": [0.0, -9.0]},
+    }  # fmt: skip
+    assert not any("not used" in line for line in lines)
+
+
 def test_the_beginning_of_a_case_without_materials(tmp_path: Path) -> None:
     text = FLAT.replace("ELSET=LOWER", 'ELSET="Lower part"')
     lines = outline(write(tmp_path, text)).lines
