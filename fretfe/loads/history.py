@@ -246,6 +246,8 @@ def find_cycle(
 ) -> tuple[int, int] | None:
     """First and last step of the cycle: given, that of the slowest wave, or the last mission.
 
+    A given one may lie within a table that is repeated, as if all its rows were written out.
+
     Args:
         case: the case, its times checked.
         times: (T,) step times.
@@ -264,6 +266,8 @@ def find_cycle(
     }
     if case.cycle.given is not None:
         start, end = case.cycle.given
+        waves = {(name, index): piece for (name, index), piece in waves.items()
+                 if isinstance(case.loads[name].history[index], Wave)}  # fmt: skip
     elif waves:
         slowest = max(waves.values(), key=lambda wave: (wave.period, wave.end))
         start, end = slowest.end - (slowest.period or 0.0), slowest.end

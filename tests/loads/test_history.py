@@ -497,6 +497,24 @@ def test_a_given_cycle_must_hold_whole_periods() -> None:
     assert "loads.a.history[segment 1].period: expected a period that divides the cycle" in text
 
 
+@pytest.mark.parametrize("cycle", [(2, 3), (4, 5), (1, 3), (3, 6), (2, 6)])
+def test_a_given_cycle_within_a_table_that_is_repeated(
+    tmp_path: Path, cycle: tuple[float, float]
+) -> None:
+    """As in the table whose rows are written out."""
+    rows, (start, end) = [(1, 2), (2, 1), (3, 0)], cycle
+    (tmp_path / "table.csv").write_text("t,Q\n0,0\n" + "".join(f"{t},{q}\n" for t, q in rows))
+    segment = {"csv": "table.csv", "time": "t", "value": "Q", "repeat": 2}
+    extra = f"cycle = {{ start = {start}, end = {end} }}"
+    found = build_history(case_of(tmp_path / "c.toml", extra=extra, a=[segment]))
+    both = [*rows, *((t + 3, q) for t, q in rows)]
+    points = {"times": [t for t, _ in both], "values": [q for _, q in both]}
+    written = build_history(case_of(extra=extra, a=[points]))
+    assert found.cycle == written.cycle == cycle
+    assert found.returns == written.returns
+    np.testing.assert_array_equal(found.values, written.values)
+
+
 def test_a_load_that_does_not_return_is_not_a_cycle() -> None:
     text = message(a=[wave(cycles=2)], b=[ramp(4, 2, 2)])
     assert text.startswith(
