@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -45,6 +46,7 @@ class StationValues:
         number: of the station along its front.
         k_t_scale: least value that changes of K_T are compared with; infinite where it need not
             converge.
+        spreads: error bars of `values` on this mesh; NaN where unknown, none of solids.
     """
 
     contact: str
@@ -56,6 +58,7 @@ class StationValues:
     friction: float
     number: int = 0
     k_t_scale: float = 0.0
+    spreads: tuple[float, ...] = ()
 
     @property
     def key(self) -> tuple[str, str, int]:
@@ -152,6 +155,13 @@ class Pass:
         return max(sizes, default=math.inf)
 
 
+class Limit(NamedTuple):
+    """The value that a sequence of meshes tends to, and its error bar, NaN if unknown."""
+
+    value: float
+    spread: float
+
+
 @dataclass(frozen=True)
 class Refinement:
     """History of a mesh that refined itself.
@@ -169,18 +179,21 @@ class Refinement:
     reason: str
 
     @property
-    def limits(self) -> tuple[tuple[StationValues, tuple[float, ...]], ...]:
+    def limits(self) -> tuple[tuple[StationValues, tuple[Limit, ...]], ...]:
         """The edges of the last pass, and the limit of each of their values.
 
         Stations of solids scatter: their values have no limits that could be told.
         """
         last = self.passes[-1].stations if self.passes else ()
-        if any(station.number for station in last):
-            return ()
-        return tuple(
-            (each, tuple(extrapolate(self.history(each, v)) for v in range(len(each.values))))
-            for each in last
-        )
+        return tuple((each, self._limits(each)) for each in last if each.spreads)
+
+    def _limits(self, station: StationValues) -> tuple[Limit, ...]:
+        """Limits of the values of an edge: off by their bars, and by what is added to them."""
+        known = enumerate(zip(station.values, station.spreads, strict=True))
+        limits = [
+            (extrapolate(self.history(station, place)), last, own) for place, (last, own) in known
+        ]
+        return tuple(Limit(limit, own + abs(limit - last)) for limit, last, own in limits)
 
     def history(self, station: StationValues, value: int) -> tuple[float, ...]:
         """One value of a station in all passes that have it."""

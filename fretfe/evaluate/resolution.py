@@ -55,17 +55,27 @@ class Interval:
 def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[StationValues, ...]:
     """Values that must converge, of every contact that carries something when it ends."""
     return tuple(
-        StationValues(
-            contact=contact.name,
-            front=station.front,
-            k_n=station.decisive_k_n[0],
-            k_t=_k_t(solution, station),
-            slip=tuple(zone.length for zone in _last_zones(station)),
-            rise=_rise(history, contact, station),
-            friction=station.friction,
-            k_t_scale=math.inf if _slides(station) or station.lack.by_loads else 0.0,
-        )
+        _values(solution, history, contact, station)
         for history, contact, station in _stations(solution, contacts)
+    )
+
+
+def _values(
+    solution: Solution, history: ContactHistory, contact: Contact, station: Station
+) -> StationValues:
+    k_n, k_n_spread = station.decisive_k_n
+    zones = _last_zones(station)
+    k_t_spread = station.k_range_spread if solution.cycle is not None else math.nan
+    return StationValues(
+        contact=contact.name,
+        front=station.front,
+        k_n=k_n,
+        k_t=_k_t(solution, station),
+        slip=tuple(zone.length for zone in zones),
+        rise=_rise(history, contact, station),
+        friction=station.friction,
+        k_t_scale=math.inf if _slides(station) or station.lack.by_loads else 0.0,
+        spreads=(k_n_spread, k_t_spread, *(zone.spread for zone in zones)),
     )
 
 

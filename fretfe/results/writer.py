@@ -317,7 +317,12 @@ def _refinement_numbers(refinement: Refinement) -> dict[str, Any]:
     """All meshes of a run that refined its mesh, and the limits of their values."""
     numbers = asdict(refinement)
     numbers["limits"] = [
-        {"contact": station.contact, "front": station.front, "values": limits}
+        {
+            "contact": station.contact,
+            "front": station.front,
+            "values": [limit.value for limit in limits],
+            "spreads": [limit.spread for limit in limits],
+        }
         for station, limits in refinement.limits
     ]
     return numbers

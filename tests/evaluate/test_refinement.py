@@ -221,7 +221,8 @@ def test_a_mesh_resolves_what_its_elements_are_small_enough_for(
 
 
 def edge(k_n: float = 10.0, k_t: float = 2.0, *slip: float) -> StationValues:
-    return StationValues("main", "left", k_n, k_t, slip, rise=1.0, friction=0.5)
+    bars = (0.1, 0.2, *(math.nan for _ in slip))
+    return StationValues("main", "left", k_n, k_t, slip, rise=1.0, friction=0.5, spreads=bars)
 
 
 def changed(before: StationValues, after: StationValues) -> tuple[float, ...]:
@@ -293,7 +294,9 @@ def test_limits_skip_meshes_that_did_not_show_the_edge() -> None:
     passes = tuple(Pass(100, 0.1, (edge(10 + 2.0**-n, 2.0, 0.4),), True, ()) for n in range(3))
     ((found, limits),) = Refinement(0.01, (first, *passes), True, "").limits
     assert found == passes[-1].stations[0]
-    assert limits == pytest.approx((10.0, 2.0, 0.4))
+    assert [limit.value for limit in limits] == pytest.approx([10.0, 2.0, 0.4])
+    # the last mesh was off by its bar, and by 1/4, as the limit says
+    assert [limit.spread for limit in limits] == pytest.approx([0.35, 0.2, math.nan], nan_ok=True)
 
 
 @pytest.mark.parametrize(("size", "stops"), [(1e-3, False), (5e-5, True)])

@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import base64
 import json
+import math
 import re
 import subprocess
 import sys
@@ -431,7 +432,16 @@ def test_frictionless_contact_has_a_report(tmp_path: Path) -> None:
 def test_refinement_is_shown(tmp_path: Path) -> None:
 
     first, second = (
-        StationValues("main", "left", k_n, 35.6, (0.077, 0.076), 0.3, 0.4)
+        StationValues(
+            "main",
+            "left",
+            k_n,
+            35.6,
+            (0.077, 0.076),
+            0.3,
+            0.4,
+            spreads=(12.0, math.nan, 0.001, 0.06),
+        )
         for k_n in (1200.0, 1236.0)
     )
     changes = edge_changes([first], [second], {"main": "main"})
@@ -441,4 +451,7 @@ def test_refinement_is_shown(tmp_path: Path) -> None:
     page = check_alone(render(tmp_path))
     resolved = [row[3:5] for row in page.rows("Changes from mesh to mesh")]
     assert resolved == [["no", "-"], ["yes", "2.91%"]]  # of the newer value
+    # nothing without its bar, and nothing whose bar is more than half of it
+    limits = ["main", "left", "1236 ± 12", "-", "0.0770 ± 0.0010 / -"]
+    assert page.rows("Limits that the meshes tend to") == [limits]
     assert any("not fine enough" in words and "too <large>" in words for words in page.words)

@@ -15,7 +15,7 @@ import numpy as np
 from rich.table import Table
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station, reported
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import Judgement, judge, longest_verdict
@@ -237,8 +237,8 @@ def _limit_table(refinement: Refinement) -> Table:
     headers = ("contact", "edge", "K_N", "ΔK", "slip zones")
     table = plain_table("Limits that the meshes tend to", headers, text=2)
     for edge, limits in refinement.limits:
-        slip = " / ".join(number(limit, 3) for limit in limits[2:])
-        table.add_row(edge.contact, edge.front, *map(number, limits[:2]), slip or MISSING)
+        told = [with_error(reported(*limit), limit.spread) for limit in limits]
+        table.add_row(edge.contact, edge.front, *told[:2], " / ".join(told[2:]) or MISSING)
     return table
 
 
