@@ -120,6 +120,11 @@ class LifeFit:
         return Survival(life, part, low, high)
 
 
+def is_one(k_n: Array) -> bool:
+    """True if values of K_N (n,) are one within `SAME`."""
+    return bool(k_n.max() <= SAME * k_n.min())
+
+
 def fit_life(k_n: Array, k_t_range: Array, life: Array, runout: Bools) -> LifeFit | str:
     """Fit the lives of tests (n,).
 
@@ -127,8 +132,7 @@ def fit_life(k_n: Array, k_t_range: Array, life: Array, runout: Bools) -> LifeFi
         The fit, or why there is none, in words.
     """
     failures = int(np.count_nonzero(~runout))
-    varied = k_n.max() > SAME * k_n.min()
-    count = 3 if varied else 2
+    count = 2 if is_one(k_n) else 3
     if failures < count + SPARE:
         return f"{count + SPARE} failures are needed for {count} coefficients, found {failures}"
     if k_t_range[~runout].max() < SAME * k_t_range[~runout].min():

@@ -18,7 +18,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.quality.ends import beside_end
 from fretfe.report.texts import number, rounded
 from fretfe.results.model import Result
-from fretfe.strength.fit import SAME, LifeFit, Survival, fit_life
+from fretfe.strength.fit import SAME, LifeFit, Survival, fit_life, is_one
 from fretfe.strength.lives import StrengthTests, read_tests
 
 # f ΔK_I over ΔK_T above which the normal load varies, and turning above which (K_T, K_S) does.
@@ -44,7 +44,7 @@ class ComponentEdge:
             (K_T, K_S) along its main direction, and error bar; NaN where not known.
         friction: coefficient of the contact.
         bodies: of the contact.
-        obstacle: why its strength cannot be judged; empty if it can.
+        obstacles: reasons why its strength cannot be judged; none if it can.
         remarks: what tests at constant P and of equal cycles do not cover.
     """
 
@@ -58,7 +58,7 @@ class ComponentEdge:
     k_t_range_spread: float
     friction: float
     bodies: tuple[AnyBody, ...]
-    obstacle: str
+    obstacles: tuple[str, ...]
     remarks: tuple[str, ...]
 
     @property
@@ -146,7 +146,7 @@ def _edge(
         k_n=k_n, k_n_spread=edge.decisive_k_n[1],
         k_t_range=k_t_range, k_t_range_spread=float(edge.k_range_spread),
         friction=friction, bodies=_bodies(result, pair),
-        obstacle=_obstacle(result, pair, k_n, k_t_range), remarks=tuple(remarks),
+        obstacles=tuple(_obstacles(result, k_n, k_t_range)), remarks=tuple(remarks),
     )  # fmt: skip
 
 
@@ -156,20 +156,18 @@ def _bodies(result: Result, pair: str) -> tuple[AnyBody, ...]:
     return result.case.bodies[named.body1], result.case.bodies[named.body2]
 
 
-def _obstacle(result: Result, pair: str, k_n: float, k_t_range: float) -> str:
-    if not all(isotropic(each) for each in _bodies(result, pair)):
-        return "a body is a crystal, and tests tell E and ν only"
+def _obstacles(result: Result, k_n: float, k_t_range: float) -> Iterator[str]:
+    """Reasons of the run, which another one may not have."""
     if result.failure is not None:
-        return "the run is not complete"
+        yield "the run is not complete"
     if not math.isfinite(k_n):
-        return "K_N is not known, or its error bar is more than half of it"
+        yield "K_N is not known, or its error bar is more than half of it"
     if result.loads.cycle is None:
-        return "there is no evaluated cycle"
-    if not math.isfinite(k_t_range):
-        return "ΔK_T is not known, or its error bar is more than half of it"
-    if not k_t_range > 0:
-        return "ΔK_T is zero"
-    return ""
+        yield "there is no evaluated cycle"
+    elif not math.isfinite(k_t_range):
+        yield "ΔK_T is not known, or its error bar is more than half of it"
+    elif not k_t_range > 0:
+        yield "ΔK_T is zero"
 
 
 @dataclass(frozen=True)
@@ -189,7 +187,8 @@ class Margin:
             margin that each of these three would have alone.
         survival: probability that it reaches the life, with the bars of the edge in its interval;
             None without a margin.
-        reason: why there is no margin; empty if there is one.
+        reason: all that is in the way of a margin, what is hardest to mend first; empty if there is
+            one.
     """
 
     edge: ComponentEdge
@@ -263,23 +262,22 @@ def _margin(
     agreeing = _agreeing(tests, edge)
     chosen = agreeing & tests.inside
     count = int(np.count_nonzero(chosen))
-    if edge.obstacle:
-        return Margin(edge, count, None, edge.obstacle)
-    if not agreeing.any():
-        return Margin(edge, 0, None, _disagreement(tests, edge))
-    if not count:
-        text = "all tests with its friction and material lie outside the edge formulas"
-        return Margin(edge, 0, None, text)
-    key = chosen.tobytes()
-    if key not in fits:
-        fits[key] = fit_life(
-            tests.k_n[chosen], tests.k_t_range[chosen], tests.life[chosen], tests.runout[chosen]
-        )
-    fit = fits[key]
-    if isinstance(fit, str):
-        return Margin(edge, count, None, fit)
-    if reason := _beyond(tests, chosen, fit, edge.k_n, life):
-        return Margin(edge, count, fit, reason)
+    reasons = [*_not_tested(tests, agreeing, edge, life)]
+    fit: LifeFit | str | None = None
+    if count:
+        key = chosen.tobytes()
+        if key not in fits:
+            fits[key] = fit_life(
+                tests.k_n[chosen], tests.k_t_range[chosen], tests.life[chosen], tests.runout[chosen]
+            )
+        fit = fits[key]
+    reasons += [fit] if isinstance(fit, str) else []
+    reasons += edge.obstacles
+    if isinstance(fit, LifeFit) and not reasons:
+        reasons += _beyond(tests, chosen, fit, edge.k_n, life)
+    if reasons or not isinstance(fit, LifeFit):
+        known = fit if isinstance(fit, LifeFit) else None
+        return Margin(edge, count, known, "; ".join(reasons))
     judged = _judged(edge, count, fit, life)
     bar = judged.edge_share * abs(fit.coefficients[1])
     return replace(judged, survival=_survival(tests, chosen, fit, edge, life, bar))
@@ -310,25 +308,41 @@ def _disagreement(tests: StrengthTests, edge: ComponentEdge) -> str:
     )
 
 
-def _beyond(tests: StrengthTests, chosen: Bools, fit: LifeFit, k_n: float, life: float) -> str:
-    """Reason why a margin would be extrapolated; empty if it is not."""
-    tested = tests.k_n[chosen]
-    varied = fit.coefficients[2] != 0
-    same = 1.0 if varied else SAME
-    if not fit.tested[0] / same <= k_n <= fit.tested[1] * same:
-        return f"K_N = {rounded(k_n, 4)} is outside of the tested K_N, {_span(tested)}"
-    shortest = tests.life[chosen & ~tests.runout].min()
-    longest = tests.life[chosen].max()
-    if not shortest <= life <= longest:
-        lives = f"{number(shortest)} to {number(longest)}"
-        return f"{number(life, 6)} cycles are outside of the tested lives, {lives}"
+def _not_tested(
+    tests: StrengthTests, agreeing: Bools, edge: ComponentEdge, life: float
+) -> Iterator[str]:
+    """Reasons that no more tests of the same kind would mend."""
+    if not all(isotropic(each) for each in edge.bodies):
+        yield "a body is a crystal, and tests tell E and ν only"
+    chosen = agreeing & tests.inside
+    if not agreeing.any():
+        yield _disagreement(tests, edge)
+    elif not chosen.any():
+        yield "all tests with its friction and material lie outside the edge formulas"
+    else:
+        tested = tests.k_n[chosen]
+        same = SAME if is_one(tested) else 1.0
+        if not (math.isnan(edge.k_n) or tested.min() / same <= edge.k_n <= tested.max() * same):
+            yield f"K_N = {rounded(edge.k_n, 4)} is outside of the tested K_N, {_span(tested)}"
+        # a life is tested from the first failure to the last end
+        shortest = tests.life[chosen & ~tests.runout].min(initial=tests.life[chosen].max())
+        if not shortest <= life <= tests.life[chosen].max():
+            lives = f"{number(shortest)} to {number(tests.life[chosen].max())}"
+            yield f"{number(life, 6)} cycles are outside of the tested lives, {lives}"
+
+
+def _beyond(
+    tests: StrengthTests, chosen: Bools, fit: LifeFit, k_n: float, life: float
+) -> Iterator[str]:
+    """Reason why a strength would be extrapolated; none if it is not."""
     strength, ranges = float(fit.strength(k_n, life)), tests.k_t_range[chosen]
     if not ranges.min() <= strength <= ranges.max():
         side = "above" if strength > ranges.max() else "below"
-        return f"the strength would be {side} all tested ΔK_T, {_span(ranges)}"
-    if varied and _is_outside(np.log10([ranges, tested]), np.log10([strength, k_n])):
-        return "K_N and the strength there lie outside of the cloud of tests"
-    return ""
+        yield f"the strength would be {side} all tested ΔK_T, {_span(ranges)}"
+    elif fit.coefficients[2] and _is_outside(
+        np.log10([ranges, tests.k_n[chosen]]), np.log10([strength, k_n])
+    ):
+        yield "K_N and the strength there lie outside of the cloud of tests"
 
 
 def _is_outside(tests: Array, place: Array) -> bool:

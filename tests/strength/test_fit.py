@@ -257,7 +257,18 @@ def reason(path: Path, life: float = LIFE, run: str = "halfplane") -> str:
     ],
 )
 def test_nothing_is_extrapolated(tmp_path: Path, arrays: Any, life: float, expected: str) -> None:
-    assert reason(write_tests(tmp_path / "tests.csv", *arrays), life).startswith(expected)
+    assert expected in reason(write_tests(tmp_path / "tests.csv", *arrays), life)
+
+
+def test_all_reasons_are_told_the_hardest_to_mend_first(tmp_path: Path) -> None:
+    """More tests of the same pads give failures, and no other K_N."""
+    arrays = made_up(k_n=(300.0, 1200.0), count=6)
+    path = write_tests(tmp_path / "tests.csv", *arrays)
+    k_n, failures = reason(path).split("; ")
+    assert k_n.startswith("K_N = 1238 is outside of the tested K_N, ")
+    assert failures.startswith("7 failures are needed for 3 coefficients, found ")
+    # of the component, which is changed sooner than the tests
+    assert reason(path, run="no cycle").endswith("; there is no evaluated cycle")
 
 
 def test_a_strength_beyond_the_tested_ranges_is_unknown(tmp_path: Path) -> None:
