@@ -82,17 +82,20 @@ class Extent:
         largest_gap: largest nodal gap, without its sign.
         carried: largest ratio of what pressure deforms the bodies by in a state to the largest
             weighted displacement of a node by the coordinates in that state.
+        first_gap: smallest nodal gap of the first one, which is without load.
     """
 
     smallest_gap: float = np.inf
     largest_gap: float = 0.0
     carried: float = 0.0
+    first_gap: float = np.nan
 
     def add(self, interface: Interface, state: ContactState) -> None:
         """Extend it by a state."""
         gap = state.relative[:, 0] / interface.roots
         moved = np.abs(interface.motion * state.coordinates)
         self.smallest_gap = min(self.smallest_gap, float(gap.min()))
+        self.first_gap = self.smallest_gap if np.isnan(self.first_gap) else self.first_gap
         self.largest_gap = max(self.largest_gap, float(np.abs(gap).max()))
         pressed = interface.compliance.level * float(state.traction[:, 0].max())
         motion = float(moved.max(initial=0.0))
@@ -430,6 +433,11 @@ class Recorder:
                 forces,
                 amplitudes[states],
             )
+
+    @property
+    def first_gap(self) -> float:
+        """Smallest nodal gap without load."""
+        return self._extent.first_gap
 
     @property
     def smallest_gap(self) -> float:

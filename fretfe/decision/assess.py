@@ -442,7 +442,7 @@ def _remarks(result: Result, data: FatigueData, edges: tuple[EdgeAssessment, ...
     """Things that the margins leave out, in words."""
     if sliding := [each.name for each in result.contacts if each.sliding_share > 0]:
         names = ", ".join(sliding)
-        yield f"the whole contact slides in the cycle, and wear is left out: {names}"
+        yield f"the whole contact slides, and wear is left out: {names}"
     if unsteady := [each.name for each in result.contacts if not each.steady]:
         yield f"the cycle is not steady: {', '.join(unsteady)}"
     for each in result.contacts:

@@ -202,8 +202,8 @@ def _wanted(found: Assessment, edge: EdgeAssessment) -> Iterator[str]:
     """Steps that would make the margin of an edge surer, the nearest at hand first."""
     if not found.others:
         yield (
-            f"run the smallest and largest likely friction (here {_span(found.frictions)}; --set "
-            "contacts.*.friction=...) and add their folders"
+            f"run the smallest and largest likely friction (here {_span(found.frictions)} at edges;"
+            " --set contacts.*.friction=..., a table scaled as a whole) and add their folders"
         )
     coarse = [f"stress is known to {percent(edge.bar, 0)} there"] if _uncertain(edge) else []
     if any(_short_elements(found, edge)):

@@ -50,7 +50,6 @@ BEYOND_ENDS = 1.05
 SHOWING_STEPS = 20
 # A kind of caution and its text.
 Finding = tuple[Kind, str]
-SLIDES: Finding = Kind.GROSS_SLIP, "the whole contact slides in the cycle"
 
 
 def plane_warnings(
@@ -87,7 +86,7 @@ def plane_warnings(
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
     yield from about(name, "", _within_step(solution, contact))
     if slides or any(station.slides for station in stations):
-        yield from about(name, "", [SLIDES])
+        yield from about(name, "", [_slides(solution)])
     # Bodies of linear elements are too stiff, however fine the mesh is at the edges.
     unknown = Kind.K_N_LINEAR if solution.degree == 1 else Kind.K_N_UNCERTAIN
     unknown = Kind.LAYER if contact.surface.layer is not None else unknown
@@ -121,12 +120,12 @@ def solid_warnings(
     name = contact.name
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield from about(name, "", [_never_touch(smallest, contact.surface.weights, 3)])
+        yield from about(name, "", [_never_touch(contact, smallest, 3)])
         return
     yield from about(name, "", _solid_contact(solution, contact, found, closed, changes))
     yield from about(name, "", _within_step(solution, contact))
     if slides:
-        yield from about(name, "", [SLIDES])
+        yield from about(name, "", [_slides(solution)])
     yield from _nothing_known(name, found["fronts"])
     yield from _withheld(solution, name, found)
     assert contact.surface.facets is not None
@@ -348,6 +347,12 @@ def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> I
         yield Kind.FACTORS_UNKNOWN, f"ΔK_T unknown, because {reason}"
 
 
+def _slides(solution: Solution) -> Finding:
+    """Caution about a contact that slides as a whole, in the cycle if there is one."""
+    within = "" if solution.cycle is None else " in the cycle"
+    return Kind.GROSS_SLIP, f"the whole contact slides{within}"
+
+
 def _both_unknown(station: Station) -> bool:
     """True if the error bars of both K_N and the range of K_T are too large."""
     finite = math.isfinite(station.decisive_k_n[0]) and math.isfinite(station.k_range)
@@ -417,15 +422,10 @@ def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:
     return closed, smallest
 
 
-def _never_touch(smallest: float, weights: Array, dimension: int) -> Finding:
-    """Caution about surfaces that are never in contact, by their smallest gap.
-
-    Args:
-        smallest: gap.
-        weights: (N,) lengths or areas of the nodes.
-        dimension: of the bodies.
-    """
-    hint = untouched_hint(smallest, weights, dimension)
+def _never_touch(contact: ContactHistory, smallest: float, dimension: int) -> Finding:
+    """Caution about surfaces that are never in contact, by their smallest gap of all states."""
+    first = float(contact.gap[0].min())
+    hint = untouched_hint(first, smallest, contact.surface.weights, dimension)
     return (
         Kind.NEVER_TOUCH,
         f"the surfaces never touch; the smallest gap is {max(smallest, 0.0):.4g}. {hint}",
@@ -436,7 +436,7 @@ def _surfaces(contact: ContactHistory, fronts: Sequence[Front]) -> Iterator[Caut
     """Surfaces that never touch, or end where they are in contact and have an edge."""
     closed, smallest = _ever_closed(contact)
     if not closed.any():
-        yield from about(contact.name, "", [_never_touch(smallest, contact.surface.weights, 2)])
+        yield from about(contact.name, "", [_never_touch(contact, smallest, 2)])
     endless = {front.name for front in fronts if front.stations[0].no_edge}
     for front in PLANE_FRONTS:
         if not front.from_front(closed)[0] or front.name in endless:
@@ -481,7 +481,7 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
         )
     zones = station.evaluated_zones
     # An uncertain K_N has the same remedy, and so has one of too few nodes.
-    if station.uncertain or station.lack.kind is Lack.STEEP:
+    if station.uncertain or station.lack.finer:
         return
     hidden = [zone for zone in zones if not zone.resolved]
     if hidden:

@@ -94,15 +94,16 @@ class Withheld:
                 )
             case Lack.PARTED:
                 if not found:
-                    return "the bodies do not touch"
+                    which = "in the cycle" if wanted > 1 else "at the end"
+                    return f"the bodies do not touch {which}"
                 return (
                     f"the bodies touch in {found} of the {wanted} states of the cycle: without "
                     "contact there is no edge, and K_T begins anew when they touch again"
                 )
             case Lack.FEW_NODES:
                 return (
-                    f"{found} nodes are in contact, {wanted} are wanted at least: make the "
-                    f"elements {self.finer:g} times smaller"
+                    f"{found} node{' is' if found == 1 else 's are'} in contact, {wanted} are "
+                    f"wanted: make the elements at least {self.finer:g} times smaller"
                 )
             case Lack.SURFACE_ENDS:
                 return "the surface, or the rows, end inside the contact there"
@@ -110,8 +111,9 @@ class Withheld:
                 return (
                     f"the pressure rises to its largest value within {found} "
                     f"node{'' if found == 1 else 's'} of the edge, {wanted} are wanted at least: "
-                    f"make the elements there {self.finer:g} times smaller; if that "
-                    "does not help, the edge is a sharp corner, where K_N does not exist"
+                    f"make the elements there at least {self.finer:g} times smaller, and some over "
+                    "a rounding there; if that does not help, the edge is a sharp corner, where "
+                    "K_N does not exist"
                 )
             case Lack.NO_ROOT:
                 return (
@@ -152,8 +154,8 @@ def lost_front(place: Array, found: int, wanted: int) -> Withheld:
         why = (
             f"the pressure rises to its largest value within {found} "
             f"element{'' if found == 1 else 's'} of it, {wanted} are wanted at least: make the "
-            f"elements there {_halves(wanted / found):g} times smaller; if that does not help, it "
-            "is a sharp corner, where K_N does not exist"
+            f"elements there at least {_halves(wanted / found):g} times smaller, and some over a "
+            "rounding there; if that does not help, it is a sharp corner, where K_N does not exist"
         )
     at = ", ".join(f"{value:.3g}" for value in place)
     words = f"no front can be followed along this border of the contact, around ({at}): {why}"
@@ -171,7 +173,8 @@ def _of_fronts(lack: Withheld) -> str:
         case Lack.NARROW:
             return (
                 f"it has about {lack.found} elements over its width, {lack.wanted} are wanted at "
-                f"least: make them {_halves(lack.wanted / max(lack.found, 1)):g} times smaller"
+                f"least: make them at least {_halves(lack.wanted / max(lack.found, 1)):g} times "
+                "smaller"
             )
         case Lack.CUT:
             return (
@@ -185,8 +188,8 @@ def _of_fronts(lack: Withheld) -> str:
             )
     return (
         "the pressure falls to zero like a root at too few places of its boundary, though it has "
-        f"about {lack.found} elements over its width: it ends at sharp corners, or at far larger "
-        "elements next to its boundary"
+        f"about {lack.found} elements over its width: it ends at roundings narrower than an "
+        "element, at sharp corners, or at far larger elements next to its boundary"
     )
 
 
@@ -195,15 +198,27 @@ def _halves(ratio: float) -> float:
     return math.ceil(2 * ratio) / 2
 
 
-def untouched_hint(smallest: float, weights: Array, dimension: int) -> str:
-    """Remedy for surfaces that never touch; by that gap and weights (N,) of nodes."""
+def untouched_hint(first: float, smallest: float, weights: Array, dimension: int) -> str:
+    """Remedy for surfaces that never touch.
+
+    Args:
+        first: smallest gap without load.
+        smallest: of all states.
+        weights: (N,) of nodes.
+        dimension: of the bodies.
+    """
     spacing = float(np.median(weights)) ** (1 / (dimension - 1))
     if 0 < smallest < CHORDS * spacing:
         return (
             f"That is {smallest / spacing:.1%} of an element: chords of curved surfaces leave such "
             "gaps. Use curved elements (order 2), smaller ones there, or more load"
         )
+    if smallest < first:
+        return (
+            f"The loads bring the bodies together, from a gap of {first:.4g} without them, but not "
+            "far enough: check their sizes, or the place of the bodies in the mesh"
+        )
     return (
-        "Check the signs and sizes of the loads that should bring the bodies together, and their "
-        "place in the mesh"
+        "No load brings the bodies together: check the signs of those that should, and what holds "
+        "the bodies"
     )

@@ -556,7 +556,7 @@ def _require_contact(case: Case, recorder: Recorder, dimension: int) -> None:
         "support it, or press it against the other body with a force"
         if adrift and recorder.smallest_gap <= recorder.gap_round_off
         else f"the smallest gap on the way was {max(recorder.smallest_gap, 0.0):.6g}. "
-        + untouched_hint(recorder.smallest_gap, weights, dimension)
+        + untouched_hint(recorder.first_gap, recorder.smallest_gap, weights, dimension)
     )
     if loose:
         reason += (

@@ -128,9 +128,10 @@ def read_target(result: Result, edge: str) -> Target:
     begin, end = _cycle(result, station, name)
     k_t_range, spread, k_i_range = _ranges(result, station, begin, end)
     k_n, k_n_spread = float(station.k_n[end]), float(station.k_n_spread[end])
-    _require_known(name, "K_N", k_n, k_n_spread)
-    _require_known(name, "the range of K_T", k_t_range, spread)
     _require_partial(name, station)
+    why = f": {station.lack.text}" if station.lack.text else ""
+    _require_known(name, "K_N", k_n, k_n_spread, why)
+    _require_known(name, "the range of K_T", k_t_range, spread, why)
     _require_similar(name, station)
     zones = station.slip_zones[-2:]
     lengths = [zone.reported_length for zone in zones] + [math.nan] * (2 - len(zones))
@@ -194,9 +195,9 @@ def _ranges(result: Result, station: Station, begin: int, end: int) -> tuple[flo
     return size, spread, k_i_range if k_i_range > ROUND_OFF * size else 0.0
 
 
-def _require_known(edge: str, what: str, value: float, spread: float) -> None:
+def _require_known(edge: str, what: str, value: float, spread: float, why: str) -> None:
     if not math.isfinite(value):
-        raise ModelError(f"edge {edge}: expected {what} to be known, found that it is not")
+        raise ModelError(f"edge {edge}: expected {what} to be known, found that it is not{why}")
     if not spread <= NO_NUMBER * value:
         found = f"{value:.4g} ± {spread:.2g}" if math.isfinite(spread) else "no error bar"
         raise ModelError(
@@ -207,8 +208,8 @@ def _require_known(edge: str, what: str, value: float, spread: float) -> None:
 def _require_partial(edge: str, station: Station) -> None:
     if station.slides:
         raise ModelError(
-            f"edge {edge}: expected slip next to the edge only, found that the whole contact slips "
-            "in the cycle: there are no edge factors that a test could match"
+            f"edge {edge}: expected slip next to the edge only, found that the whole contact "
+            "slips: there are no edge factors that a test could match"
         )
 
 

@@ -200,6 +200,7 @@ class Result:
                 raise ModelError(
                     f"edge {name}: expected K_N and the range of K_T to be known somewhere along "
                     "it, each with an error bar of less than half of it, found that they are not"
+                    f"{self._why(name)}"
                 )
         contact, front, station = max(meant, key=lambda each: each[2].range_over_k_n)
         if not station.defined:
@@ -223,6 +224,11 @@ class Result:
         ]
         if meant:
             return meant
+        every = (station for _, front in fronts for station in front.stations)
+        if not any(each.defined and each.range_over_k_n > 0 for each in every):
+            raise ModelError(
+                f"{where}: expected an edge with a K_N and a range of K_T, found none{self._why()}"
+            )
         ends = (
             [contact.name_of(front.stations[place]) for place in (0, -1)]
             for contact, front in fronts
@@ -233,6 +239,12 @@ class Result:
             f"{where}: expected one of the edges {known or '(none)'}, found {name!r}; a contact "
             f"({contacts}) stands for its worst edge"
         )
+
+    def _why(self, name: str = "") -> str:
+        """Reasons why the factors of edges whose names begin so are not known, each once."""
+        own = [each for each in self.contacts if name.startswith(each.name) or not name]
+        lacks = [lack for each in own for lack in (each.lack, *(x.lack for x in each.stations))]
+        return "".join(f"; {text}" for text in dict.fromkeys(each.text for each in lacks) if text)
 
     def contact_history(self, contact: str) -> ContactHistory:
         """Return tractions, gap and slip along a contact, or along one of its patches.

@@ -100,7 +100,7 @@ def test_a_reason_is_restored() -> None:
     given = Withheld(Lack.FEW_NODES, 5, 16)
     table = {"kind": "few nodes", "found": 5, "wanted": 16, "words": ""}
     assert restored(Withheld, table) == given
-    assert "make the elements 3.5 times smaller" in given.text
+    assert "make the elements at least 3.5 times smaller" in given.text
 
 
 @pytest.mark.parametrize("lack", [each for each in Lack if each is not Lack.NOTHING])
@@ -140,10 +140,11 @@ def records(contact: Contact) -> list[dict[str, Any]]:
 def test_gaps_of_chords_are_no_fault_of_the_loads() -> None:
     # A circle of R = 10 h leaves h/80 between its chord and itself.
     weights = np.full(30, 0.1)
-    assert "chords" in untouched_hint(0.1 / 80, weights, 2)
-    assert "chords" in untouched_hint(0.1 / 80, weights**2, 3)
-    assert "signs" in untouched_hint(0.1, weights, 2)
-    assert "signs" in untouched_hint(-1e-9, weights, 2)
+    assert "chords" in untouched_hint(1.0, 0.1 / 80, weights, 2)
+    assert "chords" in untouched_hint(1.0, 0.1 / 80, weights**2, 3)
+    assert "signs" in untouched_hint(0.1, 0.1, weights, 2)
+    # loads of the right sign that do not suffice
+    assert "from a gap of 0.2 without them, but not far" in untouched_hint(0.2, 0.1, weights, 2)
 
 
 def test_one_runaway_state_does_not_undo_the_others() -> None:

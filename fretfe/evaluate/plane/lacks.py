@@ -43,6 +43,9 @@ def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> 
     if station.dissipation == 0 and contact.friction.acts.any():
         # Of so few nodes that none slips: that is no measure of it.
         station = replace(station, dissipation_spread=math.inf)
+    if unknown and contact.nodes_pressed_in(np.array([station.decisive])).any():
+        # K_N has the reason of its own state, whatever happens in others.
+        return replace(station, lack=_reason(contact, station, np.array([station.decisive])))
     return replace(station, lack=_reason(contact, station, states))
 
 
