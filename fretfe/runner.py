@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 from fretfe._typing import Array
 from fretfe.backends import Backend, Observer, Processes, RunOptions, find_backend
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
-from fretfe.case import Case
+from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import few_threads, memory_shortage, missing_package
 from fretfe.errors import CaseError, FretfeError, MemoryShortError, ModelError, OutputError
 from fretfe.faults import (
@@ -407,12 +407,13 @@ def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
     """Raise the reasons why a backend cannot solve a case, if there are any.
 
     Raises:
-        ModelError: with all of them.
+        ModelError: with all of them, and before them constants in another unit, which may be behind
+            them.
     """
     if reasons:
         raise ModelError(
             f"{case.source}: the backend {backend!r} cannot solve this case:\n"
-            + "\n".join(f"  {reason}" for reason in reasons)
+            + "\n".join(f"  {reason}" for reason in (*stiffness_doubts(case), *reasons))
         )
 
 

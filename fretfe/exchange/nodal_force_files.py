@@ -15,7 +15,7 @@ from fretfe.errors import CaseError, MeshError
 from fretfe.exchange.nodal_forces import NodalForces, nodal_forces
 from fretfe.files import replace_text, writing
 from fretfe.history.solution import ContactHistory, Solution
-from fretfe.mesh.inp_groups import DeckSurface, read_surface
+from fretfe.mesh.inp_surfaces import DeckSurface, read_surface
 from fretfe.results.model import Result
 from fretfe.results.writer import prepare_other
 

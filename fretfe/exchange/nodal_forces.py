@@ -28,7 +28,7 @@ from fretfe.mesh.elements import (
     shape_slopes,
     shape_values,
 )
-from fretfe.mesh.inp_groups import DeckSurface
+from fretfe.mesh.inp_surfaces import DeckSurface
 from fretfe.mesh.mesh import place_text
 
 # Largest distance of a surface from the contact, over the extent of what is in contact.

@@ -23,11 +23,13 @@ class Uses:
         ties: pairs that it ties.
         sectors: pairs of sides of sectors, and the number of these in a full turn.
         led: boundaries that it holds, or moves as one rigid piece.
+        keys: of the case, by the names of the boundaries there.
     """
 
     ties: Collection[tuple[str, str]] = ()
     sectors: Mapping[tuple[str, str], int] = field(default_factory=dict)
     led: Collection[str] = ()
+    keys: Mapping[str, str] = field(default_factory=dict)
 
 
 NOTHING = Uses()

@@ -8,12 +8,11 @@ import re
 from collections import Counter
 from collections.abc import Hashable, Iterable, Iterator, Mapping, Set
 from contextlib import suppress
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 
-from fretfe._typing import Array, Indices
+from fretfe._typing import Array
 from fretfe.case import AnyBody, Selector
 from fretfe.case.tables import Part
 from fretfe.errors import MeshError
@@ -92,7 +91,11 @@ def read_inp(
     groups = Groups(path, deck, dimension, own)
     outside = {}
     for name in boundaries:
-        facets = groups.boundary(name, label_of(name, selectors[1]))
+        try:
+            facets = groups.boundary(name, label_of(name, selectors[1]))
+        except MeshError as error:
+            key = uses.keys.get(name)
+            raise MeshError(f"{key}: {error}" if key else str(error)) from None
         rows = ([place[n] for n in facet.nodes] for facet in facets)
         outside[name] = _blocks(rows, dimension - 1)
     require(deck, dimension, uses, groups.key, lambda label: groups.reaches(label, inside))
@@ -113,7 +116,7 @@ def _inside(
         kinds = (nodes for kind, nodes in deck.elements.values() if PLANE.match(kind))
         own = [place[node] for nodes in kinds for node in nodes if node in place]
         points, _ = upright(points, np.array(own))
-    near = distances(part, points[:, :dimension]) <= part.radius
+    near = distances(part, points) <= part.radius
     return {number for number, index in place.items() if near[index]}
 
 
@@ -144,59 +147,6 @@ def unused(path: Path, deck: Deck, used: Set[int], read: Set[str] = frozenset())
     if kinds:
         counts = ", ".join(f"{count} {kind}" for kind, count in sorted(kinds.items()))
         yield f"{path.name}: elements that are not used: {counts}"
-
-
-@dataclass(frozen=True)
-class DeckSurface:
-    """A surface of a model.
-
-    Attributes:
-        points: (n, d) its nodes.
-        labels: of the nodes, as they are written in the file.
-        facets: blocks (f, k) of facets with as many nodes each, corners first.
-        inside: (f, d) a place in the element behind each facet, by block.
-    """
-
-    points: Array
-    labels: tuple[str, ...]
-    facets: tuple[Indices, ...]
-    inside: tuple[Array, ...]
-
-
-def read_surface(path: Path, name: str) -> DeckSurface:
-    """A surface, node set or element set of facets on the outside of all elements of a file.
-
-    Args:
-        path: input file.
-        name: of the surface or set.
-
-    Raises:
-        MeshError: the file cannot be read, or has no facets of that name.
-    """
-    deck = read_deck(path)
-    dimension = 3 if any(SOLID.match(kind) for kind, _ in deck.elements.values()) else 2
-    cells = supported_cells(path, deck, dimension)
-    facets = Groups(path, deck, dimension, [list(cells.items())]).boundary(name, name.upper())
-    numbers = sorted({node for facet in facets for node in facet.nodes})
-    place = {number: index for index, number in enumerate(numbers)}
-    centres = np.array(
-        [np.mean([deck.nodes[node] for node in cells[facet.element]], axis=0) for facet in facets]
-    )
-    sizes = np.array([len(facet.nodes) for facet in facets])
-    rows = {size: np.flatnonzero(sizes == size) for size in np.unique(sizes)}
-    points = np.array([deck.nodes[number] for number in numbers])
-    if dimension == 2:
-        together, _ = upright(np.vstack([points, centres]), np.arange(len(points) + len(centres)))
-        points, centres = np.split(together, [len(points)])
-    return DeckSurface(
-        points[:, :dimension],
-        tuple(deck.text(number) for number in numbers),
-        tuple(
-            np.array([[place[node] for node in facets[row].nodes] for row in own])
-            for own in rows.values()
-        ),
-        tuple(centres[own, :dimension] for own in rows.values()),
-    )
 
 
 def _material_notes(

@@ -322,6 +322,7 @@ def _uses(case: Case) -> Uses:
         {(label(each.boundary1), label(each.boundary2)): each.sectors
          for each in case.symmetry.values()},
         {label(name) for name in led},
+        {name: key for key, name in named_boundaries(case)},
     )  # fmt: skip
 
 

@@ -223,10 +223,11 @@ def _body_problems(mesh: Mesh, case: Case) -> Iterator[str]:
 
 def _boundary_problems(mesh: Mesh, case: Case) -> Iterator[str]:
     found = _bodies_of_boundaries(mesh)
+    where = " in the part that geometry.part cuts out" if case.geometry.part is not None else ""
     for key, name in named_boundaries(case):
         if name not in found:
             kind = BOUNDARY_KINDS[mesh.dimension]
-            yield f"{key}: no physical {kind} '{name}'{did_you_mean(name, found)}"
+            yield f"{key}: no physical {kind} '{name}'{where}{did_you_mean(name, found)}"
 
 
 def named_boundaries(case: Case) -> Iterator[tuple[str, str]]:

@@ -18,7 +18,7 @@ from fretfe.cli.app import app
 from fretfe.errors import FretfeError, MeshError
 from fretfe.exchange.nodal_forces import NodalForces, nodal_forces
 from fretfe.history.solution import ContactHistory
-from fretfe.mesh.inp_groups import DeckSurface, read_surface
+from fretfe.mesh.inp_surfaces import DeckSurface, read_surface
 
 
 def plane_deck(count: int, order: int, half: float = 1.0, height: float = 0.0) -> str:
