@@ -407,8 +407,7 @@ def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
     """Raise the reasons why a backend cannot solve a case, if there are any.
 
     Raises:
-        ModelError: with all of them, and before them constants in another unit, which may be behind
-            them.
+        ModelError: with all of them, first constants in another unit, which may be behind them.
     """
     if reasons:
         raise ModelError(
