@@ -23,11 +23,13 @@ from fretfe.errors import CaseError
 from fretfe.loads.friction import read_coefficients
 from fretfe.loads.over_surface import OverSurface, read_gap, read_layer
 from fretfe.materials.crystals import turned
+from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.report.texts import rounded
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import require_covered
 from fretfe.surface.gap import LARGEST_MISS, gap_at_nodes, gap_missed
+from fretfe.surface.mortar import Coupling
 from fretfe.surface.placed import layer_at_nodes
 from fretfe.surface.surface import Surface, boundary_surface
 
@@ -142,7 +144,7 @@ def coupled_contacts(
         require_covered(given, surface)
         coupling = replace(pair.coupling, surface=surface)
         if (gap := read_gap(case, pair.name)) is not None:
-            coupling = replace(coupling, gap=_with_gap(pair, surface, gap, case.units.length))
+            coupling = _with_gap(case, pair, surface, gap)
         if (layer := read_layer(case, pair.name)) is not None:
             pair = replace(pair, layer=layer_at_nodes(layer, surface))
         pairs.append(replace(pair, coupling=coupling))
@@ -162,25 +164,30 @@ def _require_heat(key: str, model: ModelDefinition, bodies: tuple[str, str]) -> 
         )
 
 
-def _with_gap(pair: Pair, surface: ContactSurface, given: OverSurface, unit: str) -> Array:
-    """(N,) weighted gap of a pair with what a case adds.
+def _with_gap(case: Case, pair: Pair, surface: ContactSurface, given: OverSurface) -> Coupling:
+    """The coupling of a pair on a surface, with the gap that a case adds.
 
     Raises:
         CaseError: that is not given all over the surface, or the surfaces overlap by it.
     """
     coupling, added = pair.coupling, gap_at_nodes(given, surface)
-    gap = coupling.gap + surface.weights * (coupling.averaging @ added)
+    mean = coupling.averaging @ added
+    gap = coupling.gap + surface.weights * mean
     before, after = (each / surface.weights for each in (coupling.gap, gap))
     deepest = int(np.argmin(after))
     # Interpolated values of surfaces that are meant to touch may overlap by some of their range.
     if after[deepest] < min(before.min(), 0.0) - 0.01 * np.ptp(added):
         raise CaseError(
             f"{given.key}: expected a gap that leaves the surfaces apart or touching before any "
-            f"load acts, found an overlap of {-after[deepest]:.4g} {unit} at "
+            f"load acts, found an overlap of {-after[deepest]:.4g} {case.units.length} at "
             f"{place_text(surface.points[deepest])}: add that to all values, or press them "
             "together by an 'interference'"
         )
-    return np.asarray(gap)
+    if surface.facets is None:
+        bodies = case.bodies[pair.body1], case.bodies[pair.body2]
+        modulus = contact_modulus(*bodies, case.model.plane, surface.mean_normal)
+        surface = replace(surface, added_gap=modulus * mean)
+    return replace(coupling, surface=surface, gap=gap)
 
 
 def between_surfaces(case: Case, pair: Pair) -> Iterator[str]:

@@ -26,7 +26,7 @@ from fretfe.evaluate.loaded import (
     normal_force,
     with_own_cycle,
 )
-from fretfe.evaluate.plane.edge_fits import with_kink
+from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.evaluate.plane.patches_in_time import own_part
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
@@ -271,7 +271,7 @@ def _choose_areas(solution: Solution, contact: ContactHistory, moving: int) -> _
     looked = np.append(states[firsts[chosen]], at)
     pressure = contact.traction[looked, :, 0]
     sections = plane_sections(contact.surface.arc, pressure)
-    fits = with_kink([fit_edge(section) for section in sections], contact, pressure)
+    fits = with_gap([fit_edge(section) for section in sections], contact, pressure)
     edges = np.stack([fit.position for fit in fits], axis=1)
     # The pressures of a flat under little load do not show its edges.
     known = np.isfinite(edges).all(axis=1)

@@ -152,6 +152,8 @@ class ContactHistory:
             which reaches half-way to its neighbours; -1 where the patch does not exist. None if the
             pair has one patch only.
         events: where a patch comes from and where it goes, in words; a text for each kind of event.
+        beside: (T, N) pressure of the other patches of the pair; None without any, and of solutions
+            that were read.
     """
 
     name: str
@@ -171,6 +173,7 @@ class ContactHistory:
     nearby_loads: NearbyLoads | None = None
     node_range: Indices | None = None
     events: tuple[str, ...] = ()
+    beside: StateArray | Array | None = None
 
     def edge_friction(self, edge: Array) -> Array:
         """(T,) coefficient at an edge, that of the node nearest to it in each state.

@@ -38,6 +38,8 @@ class ContactSurface:
         layer: (2,) E* times the compliances of a layer to pressure and to shear, the largest all
             over the surface: lengths over which tractions next to an edge are rounded off; None
             without a layer.
+        added_gap: (N,) E* times the gap that a case adds between plane bodies, in the mean around
+            each node; None without one.
     """
 
     arc: Array
@@ -50,6 +52,7 @@ class ContactSurface:
     dundurs: float = 0.0
     growth: float = 0.0
     layer: Array | None = None
+    added_gap: Array | None = None
 
     def nodes_at(self, edge: Array) -> Indices:
         """(T,) node nearest to an edge in each state.

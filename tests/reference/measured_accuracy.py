@@ -21,7 +21,7 @@ from system import test_dovetail as dovetail
 from system import test_punches as punches
 
 from fretfe.analytic.profiles import Hertz, edge_factor_k_n
-from fretfe.evaluate.plane.edge_fits import with_kink
+from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.surface import mortar
 
 
@@ -174,7 +174,7 @@ def k_n_error(chosen: punches.Punch, degree: int = 2) -> str:
     exact = float(edge_factor_k_n(chosen.profile, 1.0))
     pressure = contact.traction[-1, :, 0]
     fits = [fitted(contact.surface.arc, pressure, side, solved=True) for side in SIDES]
-    found = with_kink(fits, contact, pressure[None])
+    found = with_gap(fits, contact, pressure[None])
     pairs = [(abs(float(np.max(fit.k_n)) - exact), float(np.max(fit.spread_k_n))) for fit in found]
     error, bar = (100 * each / exact for each in max(pairs))
     return f"{error:.2f} ± {bar:.2g}" + ("" if error < bar else " OUTSIDE")

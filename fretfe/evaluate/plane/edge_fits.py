@@ -18,6 +18,7 @@ from fretfe.evaluate.missing_shear import (
     without_every_other,
     without_missing,
 )
+from fretfe.evaluate.plane.gap_shape import with_gap_shape
 from fretfe.evaluate.plane.kink_fit import find_kink, fit_beside_kink, near_kink
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, Section, plane_sections
@@ -49,8 +50,9 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
             fits = [_unlike_fit(contact, couple, front, *tractions) for front in PLANE_FRONTS]
         else:
             fits = [fit_edge(section, solved=True) for section in sections]
-        rows = zip(PLANE_FRONTS, sections, with_kink(fits, contact, pressure[fitted]), strict=True)
-        for front, section, fit in rows:
+        beside = None if contact.beside is None else contact.beside[states[there]]
+        shaped = with_gap(fits, contact, pressure[fitted], beside)
+        for front, section, fit in zip(PLANE_FRONTS, sections, shaped, strict=True):
             # At the end of the surface the contact ends with the body, at a corner.
             inside = section.origin != front.from_front(arc)[0]
             parts[front.number][:, there[inside]] = np.array(astuple(fit))[:, inside]
@@ -58,23 +60,24 @@ def edge_fits(contact: ContactHistory, source: Indices) -> tuple[EdgeFit, ...]:
     return tuple(EdgeFit(*front) for front in known)
 
 
-def with_kink(
-    fits: Sequence[EdgeFit], contact: ContactHistory, pressure: Array
+def with_gap(
+    fits: Sequence[EdgeFit], contact: ContactHistory, pressure: Array, beside: Array | None = None
 ) -> tuple[EdgeFit, ...]:
-    """Fits at both edges, of wedges by the pressure beside their kink.
+    """Fits at both edges with what the gap makes of the pressure, of wedges beside their kink.
 
     Args:
         fits: of any contact.
         contact: of which they are.
         pressure: (T, N) in each state.
+        beside: (T, N) of other patches of the pair, if there are any.
     """
     kink = find_kink(contact, pressure)
-    if kink is None:
-        return tuple(fits)
-    arc = contact.surface.arc
-    near = near_kink(arc, pressure, kink)
-    others = [_without(fit, each) for fit, each in zip(fits, near, strict=True)]
-    return tuple(map(_preferred, fit_beside_kink(arc, pressure, kink), others))
+    if kink is not None:
+        arc = contact.surface.arc
+        near = near_kink(arc, pressure, kink)
+        others = [_without(fit, each) for fit, each in zip(fits, near, strict=True)]
+        fits = [*map(_preferred, fit_beside_kink(arc, pressure, kink), others)]
+    return with_gap_shape(fits, contact, pressure, beside)
 
 
 def _without(fit: EdgeFit, states: Bools) -> EdgeFit:

@@ -17,7 +17,7 @@ from fretfe.evaluate.factors import SMALLEST_MOVE, FactorHistories, along_line, 
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
-from fretfe.evaluate.plane.edge_fits import with_kink
+from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
 from fretfe.evaluate.plane.section import (
     PLANE_FRONTS,
@@ -251,7 +251,8 @@ def moved_edge(
         )
     sections = plane_sections(contact.surface.arc, neighbours.pressure)
     fits = [fit_edge(section, solved=True) for section in sections]
-    fit = with_kink(fits, contact, neighbours.pressure)[front.number]
+    beside = None if contact.beside is None else contact.beside[[neighbours.state] * 2]
+    fit = with_gap(fits, contact, neighbours.pressure, beside)[front.number]
     outward = -front.inward * float(fit.position[1] - fit.position[0])
     # A jammed blade root presses less when it is pulled more: its edges move inward then.
     moved = abs(outward)

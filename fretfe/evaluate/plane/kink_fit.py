@@ -327,7 +327,8 @@ def _outermost(arc: Array, pressure: Array) -> tuple[Indices, Indices]:
 def near_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[Bools, Bools]:
     """Return (T,) whether each edge is so near to the kink that no polynomial holds beside it.
 
-    The pressure inside of the kink says nothing of the edge then.
+    The pressure inside of the kink says nothing of the edge then. What is bent beside it, as waves
+    are, is no kink.
 
     Args:
         arc: (N,) nodes.
@@ -336,8 +337,14 @@ def near_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[Bools, Bools]:
     """
     first, last = _outermost(arc, pressure)
     beyond = kink.first - first, last - kink.last
-    left, right = ((each >= -1) & (each < NEAR) for each in beyond)
+    straight = _straight_between(first, last, kink)
+    left, right = (straight & (each >= -1) & (each < NEAR) for each in beyond)
     return left, right
+
+
+def _straight_between(first: Indices, last: Indices, kink: Kink) -> Bools:
+    """(T,) True where the gap between two nodes (T,) is straight but for the kink."""
+    return (first >= kink.low) & (last <= kink.high)
 
 
 def fit_beside_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[EdgeFit, EdgeFit]:
@@ -350,7 +357,7 @@ def fit_beside_kink(arc: Array, pressure: Array, kink: Kink) -> tuple[EdgeFit, E
     """
     first, last = _outermost(arc, pressure)
     room = np.minimum(kink.first - first, last - kink.last)
-    own = np.flatnonzero((room >= ROOM) & (first >= kink.low) & (last <= kink.high))
+    own = np.flatnonzero((room >= ROOM) & _straight_between(first, last, kink))
     found = np.full((2, 2, len(pressure)), np.nan)
     bars = np.full(found.shape, np.inf)
     if own.size:

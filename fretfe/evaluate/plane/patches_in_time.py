@@ -310,8 +310,10 @@ def _restricted(pair: ContactHistory, node_range: Indices) -> ContactHistory:
         kept = inside(node_range[states], nodes)
         return np.where(kept.reshape(*kept.shape, *[1] * (values.ndim - 2)), values, 0)
 
+    pressure = part(pair.traction, 0)
     return replace(
         pair,
+        beside=mapped(pressure, lambda each, states: each - own(each, states)),
         traction=mapped(pair.traction, own),
         mean_traction=mapped(pair.mean_traction, own),
         # Nodes elsewhere are open.

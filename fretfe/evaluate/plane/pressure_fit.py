@@ -153,7 +153,13 @@ def scatter(x: Array, values: Array) -> Array:
     return np.asarray(np.median(np.abs(deviation), axis=-1) / MEDIAN_OF_NORMAL)
 
 
-def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float = 0.5) -> EdgeFit:
+def fit_edge(
+    section: Section,
+    *,
+    solved: bool = False,
+    exponent: Array | float = 0.5,
+    shape: Array | float = 1.0,
+) -> EdgeFit:
     """Return the position of the edge and K_N from the pressures of T states along a section.
 
     Windows and orders are weighted by the data, so that a short square-root zone (rounded edge) and
@@ -165,11 +171,12 @@ def fit_edge(section: Section, *, solved: bool = False, exponent: Array | float 
         solved: whether they come out of a solver, without noise.
         exponent: (T,) or one for all: lambda of p ~ s^lambda. What is fitted is p^(1/(2 lambda)),
             which falls like a root.
+        shape: (T, m) factor that the pressure has besides, positive, and 1 at the edge.
     """
     double = 2 * np.broadcast_to(exponent, section.nodes.shape)
     power = 1 / double[:, None]
-    values = (_point_values(section) if solved else section.values) ** power
-    section = replace(section, values=section.values**power)
+    values = ((_point_values(section) if solved else section.values) / shape) ** power
+    section = replace(section, values=(section.values / shape) ** power)
     results = np.tile([[np.nan], [np.nan], [np.inf], [np.inf]], len(section.nodes))
     enough = np.flatnonzero(section.nodes >= FEWEST_NODES)
     if enough.size:

@@ -202,6 +202,18 @@ def plane_sections(x: Array, values: Array, along: Array | None = None) -> tuple
     return tuple(front.section(x, along, patches) for front in PLANE_FRONTS)
 
 
+def hats(arc: Array) -> tuple[Array, Array]:
+    """Return (N,) centres of the hat functions over which means are taken, and their variances.
+
+    On uneven meshes the centres are not at the nodes.
+
+    Args:
+        arc: (N,) of the nodes.
+    """
+    before, after = (np.diff(arc, prepend=arc[0]), np.diff(arc, append=arc[-1]))
+    return arc + (after - before) / 3, (before**2 + before * after + after**2) / 18
+
+
 def nearest_front(x: Array, centre: float) -> Indices:
     """Return (n,) the number of the front that each place (n,) along the arc belongs to."""
     return (~(x < centre)).astype(np.int64)

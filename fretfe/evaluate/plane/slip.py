@@ -13,7 +13,7 @@ import numpy as np
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.growth import FindGrowth, Growth, evened
 from fretfe.evaluate.numerics import average, rising_zero
-from fretfe.evaluate.plane.section import PlaneFront, main_patch
+from fretfe.evaluate.plane.section import PlaneFront, hats, main_patch
 from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_steps
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
@@ -226,7 +226,7 @@ def _border_between(
     largest = SLIDES * np.maximum(forward, backward)[nodes].max(initial=0.0)
     middle = slip[nearby[-1:]]
     # Half-planes have their nodes, as if slip were that of points: their bars hold the difference.
-    centres, variances = _hats(contact.surface.arc) if degree else (contact.surface.arc, None)
+    centres, variances = hats(contact.surface.arc) if degree else (contact.surface.arc, None)
     s, slip = front.distances(centres[closed], position), slip[nodes]
     moved = _moved(slip)
     slides = undriven and bool((middle > largest).any() or moved.all())
@@ -263,18 +263,6 @@ def _border_between(
     if border.gross or not missed:
         return border
     return replace(border, resolved=False, spread=max(border.spread, *missed))
-
-
-def _hats(arc: Array) -> tuple[Array, Array]:
-    """(N,) centres of the hat functions over which slip is a mean, and their variances.
-
-    On uneven meshes the centres are not at the nodes.
-
-    Args:
-        arc: (N,) of the nodes.
-    """
-    before, after = (np.diff(arc, prepend=arc[0]), np.diff(arc, append=arc[-1]))
-    return arc + (after - before) / 3, (before**2 + before * after + after**2) / 18
 
 
 def _alike(s: Array, variances: Array, border: float) -> Array:

@@ -15,7 +15,7 @@ from reference.halfplane_galerkin import hat_integrals, press
 from fretfe._typing import Array
 from fretfe.analytic.profiles import GeneralProfile, Hertz, Profile, Wedge
 from fretfe.analytic.rocking import tilted_contact
-from fretfe.evaluate.plane.edge_fits import with_kink
+from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.evaluate.plane.kink_fit import Kink, find_kink, fit_beside_kink
 from fretfe.evaluate.plane.pressure_fit import fit_edge
 from fretfe.evaluate.plane.section import plane_sections
@@ -82,7 +82,7 @@ class Pressed:
         """What is read of the history of a contact."""
         x = self.nodes
         gap = np.pad(hat_integrals(x, self.second_integral) * self.elements, 1)
-        surface = SimpleNamespace(arc=x, dundurs=0.0, layer=None)
+        surface = SimpleNamespace(arc=x, dundurs=0.0, layer=None, added_gap=None)
         return SimpleNamespace(surface=surface, gap=gap[None])
 
 
@@ -142,7 +142,7 @@ def test_cylinders_and_layers_have_no_kink() -> None:
     x = Pressed(12.3, 0.21).nodes
     gap = hat_integrals(x, lambda y: y**4 / 24) * 12.3
     pressure = Hertz(1.0, 1.0).pressure(x, 1.0)[None]
-    surface = SimpleNamespace(arc=x, dundurs=0.0, layer=None)
+    surface = SimpleNamespace(arc=x, dundurs=0.0, layer=None, added_gap=None)
     cylinder: Any = SimpleNamespace(surface=surface, gap=np.pad(gap, 1)[None])
     assert find_kink(cylinder, pressure) is None
     wedge = Pressed(12.3, 0.21)
@@ -168,6 +168,6 @@ def test_a_rounding_that_ends_before_an_edge_hides_no_error(
     sections = plane_sections(one.nodes, one.pressure[None])
     fits = [fit_edge(section, solved=True) for section in sections]
     known = one.exact.k_n_left, one.exact.k_n_right
-    for fit, k_n in zip(with_kink(fits, one.contact, one.pressure[None]), known, strict=True):
+    for fit, k_n in zip(with_gap(fits, one.contact, one.pressure[None]), known, strict=True):
         assert not abs(fit.k_n - k_n) > fit.spread_k_n
         assert np.isfinite(fit.k_n) or elements < 50
