@@ -156,6 +156,17 @@ class SlipZone:
     local: float = field(default=math.nan, kw_only=True)
     local_spread: float = field(default=math.nan, kw_only=True)
 
+    @classmethod
+    def untold(cls, start: int, end: int) -> SlipZone:
+        """A zone of which nothing is known, as where friction falls."""
+        lost = math.nan
+        return cls(start, end, lost, lost, math.inf, False, False, lost, lost)
+
+    @property
+    def unknown(self) -> bool:
+        """True if nothing is known of the zone, but that there may be one."""
+        return math.isnan(self.length) and not self.gross
+
     @property
     def reported_length(self) -> float:
         """The length, unless its error bar is unknown or more than half of it: then NaN.
@@ -186,7 +197,7 @@ class SlipZone:
     @property
     def rank(self) -> float:
         """The length, as well as it is known, by which the longer of two zones is found."""
-        if self.gross:
+        if self.gross or self.unknown:
             return math.inf
         guesses = (self.told[0], self.local, self.length, self.prediction)
         return next((float(each) for each in guesses if math.isfinite(each)), 0.0)

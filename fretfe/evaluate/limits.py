@@ -196,9 +196,10 @@ def friction_limits(
     changes = [0.0]
     for station in contact.stations:
         place = station.point if contact.solid else np.array([station.position[last]])
-        zones = [(each.length, each.prediction) for each in station.slip_zones] or [(0.0, 0.0)]
+        zones = [(each.length, each.prediction) for each in station.slip_zones]
         away = np.linalg.norm(places - place, axis=1)
-        near = away <= max(np.nanmax(zones, initial=0.0), np.nanmin(away, initial=math.inf))
+        reach = np.nan_to_num(np.ravel(zones)).max(initial=0.0)
+        near = away <= max(reach, np.nanmin(away, initial=math.inf))
         if station.friction > 0 and near.any():
             changes.append(float(np.ptp(fields[:, near])) / station.friction)
     yield ModelLimit(

@@ -110,8 +110,9 @@ def _slides(station: Station) -> bool:
 
 
 def _last_zones(station: Station) -> tuple[SlipZone, ...]:
-    """The last slip zones; those of a contact that slides as a whole have no length."""
-    return tuple(zone for zone in station.slip_zones[-ZONES:] if not zone.gross)
+    """The last slip zones; unknown ones, and those of a contact that slides, have no length."""
+    last = station.slip_zones[-ZONES:]
+    return tuple(zone for zone in last if not (zone.gross or zone.unknown))
 
 
 def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:

@@ -70,7 +70,6 @@ class PredictedSlip:
 LEFT_OPEN = 0.1
 # Part of all that drives slip which is round-off.
 UNDRIVEN = 1e-9
-
 # An edge has drawn back so far that zones count from where it was before if less than this part of
 # their largest length is left.
 LEFT_BEHIND = 0.5
@@ -167,6 +166,7 @@ def slip_zones(
     following = [start for start, _ in halves[1:]] + [last]
     for (start, turn), until in zip(halves, following, strict=False):
         if _falls(friction, start, max(turn, until)):  # what slips then shows in no factor
+            zones.append(SlipZone.untold(start, turn))
             continue
         lengths = np.zeros(0) if pressed else find_lengths(start, turn)
         end = _longest(start, turn, lengths, station)
@@ -235,9 +235,9 @@ def _moves(station: StationHistory, start: int, end: int) -> bool:
 
 
 def _falls(friction: Array, start: int, end: int) -> bool:
-    """True if a coefficient (T,) falls from one state to another."""
+    """True if a coefficient (T,) falls between two states by more than borders would show."""
     inside = friction[max(start, 1) : end + 1]
-    return bool((np.diff(inside) < -UNDRIVEN * inside.max(initial=0.0)).any())
+    return bool((inside < (1 - HIDDEN) * np.maximum.accumulate(inside)).any())
 
 
 def _longest(start: int, end: int, lengths: Array, station: StationHistory) -> int:

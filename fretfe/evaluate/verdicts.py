@@ -67,7 +67,7 @@ def longest_verdict(station: Station) -> Judgement:
     if reason:
         return Judgement(Verdict.UNKNOWN, reason)
     if station.friction > 0 and not station.undriven:
-        return Judgement(Verdict.UNKNOWN, "no zone is told, as where friction falls")
+        return Judgement(Verdict.UNKNOWN, "no zone is told: nothing is known of a half cycle")
     return Judgement(Verdict.NO_ZONE, "there is no friction, or neither K_T nor K_S varies")
 
 
@@ -160,6 +160,12 @@ def judge(station: Station, zone: SlipZone) -> Judgement:
 
 
 def _judge(station: Station, zone: SlipZone) -> Judgement:
+    if zone.unknown:
+        return Judgement(
+            Verdict.UNKNOWN,
+            "the coefficient falls in the half cycle: points slip though no load changes, and no "
+            "factor shows that",
+        )
     if (excuse := _excuse(station, zone)) is not None:
         return excuse
     if _still(zone):
@@ -167,7 +173,7 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
     if math.isfinite(zone.reported_local):
         return _judge_local(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
-    lengths = [each.length for each in station.slip_zones[-2:] if not each.gross]
+    lengths = [each.length for each in station.slip_zones[-2:] if each.length >= 0]
     longest = max([*lengths, zone.length])
     error, vague = expected_error(station, longest), 0.5 * longest * station.stiffening_spread
     if math.isnan(error):

@@ -483,7 +483,7 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
     # An uncertain K_N has the same remedy, and so has one of too few nodes.
     if station.uncertain or station.lack.finer:
         return
-    hidden = [zone for zone in zones if not zone.resolved]
+    hidden = [zone for zone in zones if not (zone.resolved or zone.unknown)]
     if hidden:
         few = [zone.prediction / FEWEST_ELEMENTS for zone in hidden if zone.prediction > 0]
         few = [size for size in few if size < station.size] or [station.size / BLIND]

@@ -11,6 +11,8 @@ from cases.pad_cases import HOLD, PAD, TOP, pad, shear
 import fretfe
 from fretfe.case import parse_case
 from fretfe.caution import Kind
+from fretfe.evaluate.verdicts import longest_verdict
+from fretfe.verdict import Verdict
 
 
 @pytest.mark.parametrize("later", [[], [{"ramp": -60.0, "until": 4.0, "steps": 5}]])
@@ -27,7 +29,7 @@ def test_what_follows_the_cycle_does_not_change_how_edges_move(later: list[dict[
         assert station.stiffening == pytest.approx(1 / 0.5754, rel=2e-3)
 
 
-def test_friction_that_falls_leaves_no_slip_zone_to_factors() -> None:
+def test_friction_that_falls_leaves_a_slip_zone_unknown_to_factors() -> None:
     """Points slip as f falls from .6 to .25, though Q stays: d is .243, and not that under .6."""
     friction = {"times": [0, 2, 3], "values": [0.6, 0.6, 0.25]}
     main = {**PAD["contacts"]["main"], "friction": friction}
@@ -42,7 +44,11 @@ def test_friction_that_falls_leaves_no_slip_zone_to_factors() -> None:
     }
     case = parse_case(pad(contacts={"main": main}, loads=loads))
     (contact,) = fretfe.run(case, backend="halfplane").contacts
-    assert [station.slip_zones for station in contact.stations] == [(), ()]
+    for station in contact.stations:
+        (zone,) = station.slip_zones
+        assert zone.unknown and station.longest_zone is zone
+        assert longest_verdict(station).verdict is Verdict.UNKNOWN
+        assert "coefficient falls" in longest_verdict(station).reason
     assert Kind.FRICTION_VARIES in {each.kind for each in contact.warnings}
 
 

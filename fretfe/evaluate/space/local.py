@@ -605,7 +605,10 @@ def _pose(
     if late:
         first, cycle = path.begin, k[path.begin :]
         k = k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
-    spans = tuple(None if zone.gross else path.span(zone, first) for zone in station.slip_zones)
+    spans = tuple(
+        None if zone.gross or zone.unknown else path.span(zone, first)
+        for zone in station.slip_zones
+    )
     if not any(spans):
         return "no half cycle can be followed"
     along = replace(station, k_t=station.k_along)

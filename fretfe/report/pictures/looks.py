@@ -190,7 +190,7 @@ def _longest(edge: Station) -> float:
     """Length of the longer one of the last two slip zones; NaN if it may hide between nodes."""
     zones = [zone for zone in edge.slip_zones[-2:] if not zone.gross]
     longest = float(max((zone.length for zone in zones), default=0.0))
-    unknown = any(zone.hides for zone in zones)
+    unknown = any(zone.hides or zone.unknown for zone in zones)
     if not zones:
         unknown = longest_verdict(edge).verdict is not Verdict.NO_ZONE
     return math.nan if unknown and longest == 0 else longest

@@ -341,3 +341,15 @@ def test_bodies_that_have_parted_are_told() -> None:
     assert told.kind is Kind.PARTED
     assert "do not touch in the evaluated cycle, though they did before: the contact" in told.text
     assert "the smallest gap is 0.1" in told.text
+
+
+@pytest.mark.parametrize(("fall", "known"), [(1e-6, True), (0.05, False)])
+def test_half_cycles_in_which_friction_falls_are_unknown(fall: float, known: bool) -> None:
+    """Over pressure the coefficient falls by what shear changes of it: a millionth."""
+    at_edge = station(plane_front("left"), np.array([0.0, 0.5, -0.5, 0.5]))
+    found = SlipBorder(0.5, resolved=True, gross=False, spread=0.001)
+    falls = FRICTION * np.array([1.0, 1.0, 1.0, 1.0 - fall])
+    zones = slip_zones(np.arange(1, 4), falls, at_edge, lambda *_: found)
+    assert zones[-1].end == 3
+    assert [zone.unknown for zone in zones[-1:]] == [not known]
+    assert zones[-1].rank == (0.5 if known else np.inf)
