@@ -12,6 +12,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import fretfe
 from fretfe._typing import Array
 from fretfe.backends import Observer
 from fretfe.backends.protocol import LOG, SILENT
@@ -37,43 +38,9 @@ if TYPE_CHECKING:
 
     from fretfe.exchange.submodel import Submodel
 
-__all__ = [
-    "Assessment",
-    "Case",
-    "Checked",
-    "Comparison",
-    "Observer",
-    "Points",
-    "Result",
-    "StrengthMap",
-    "Sweep",
-    "Validation",
-    "Verification",
-    "assess",
-    "check",
-    "compare",
-    "compare_tests",
-    "export",
-    "load_case",
-    "load_result",
-    "load_rig",
-    "make_mesh",
-    "match_test",
-    "plot_comparison",
-    "plot_factors",
-    "plot_loads",
-    "plot_scatter",
-    "plot_strength",
-    "plot_tornado",
-    "plot_tractions",
-    "run",
-    "sample",
-    "strength_map",
-    "sweep",
-    "validate",
-    "verify",
-    "write_submodel",
-]
+# What the package has, and types of what its functions give.
+__all__ = ["Assessment", "Checked", "StrengthMap", "Validation", "Verification"]
+__all__ += fretfe.__all__
 
 
 def run(

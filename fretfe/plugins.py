@@ -16,6 +16,7 @@ from typing import Any
 
 from fretfe.environment import memory_shortage, missing_package
 from fretfe.errors import DependencyError, FretfeError, MemoryShortError
+from fretfe.libraries import elsewhere
 
 # Groups: functions that return the path of a material file, or of a template, by its name;
 # functions that give factors of a traction at places; functions that make a section of the report
@@ -55,7 +56,8 @@ class PlugIn:
     def load(self) -> tuple[Any, str]:
         """The object; or None, and why it cannot be loaded."""
         try:
-            return self.entry.load(), ""
+            with elsewhere():  # it may load libraries
+                return self.entry.load(), ""
         except (Exception, SystemExit) as error:  # what foreign modules raise is not ours to know
             if isinstance(error, MemoryShortError):
                 raise

@@ -128,7 +128,8 @@ def _start_ranks(ranks: int) -> NoReturn:
         place = words.index("--ranks")
         del words[place : place + 2]
     sys.stdout.flush()
-    os.execv(mpirun, [mpirun, "-n", str(ranks), sys.executable, "-m", "fretfe", *words])
+    # Modules are not looked for in the working folder (-P), as by the command fretfe.
+    os.execv(mpirun, [mpirun, "-n", str(ranks), sys.executable, "-P", "-m", "fretfe", *words])
 
 
 def _announce_replacement(directory: Path) -> None:

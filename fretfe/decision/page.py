@@ -7,16 +7,13 @@ import json
 import math
 from pathlib import Path
 
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import NullFormatter
-
 from fretfe.decision.assessment import Assessment, EdgeAssessment, Judgement
 from fretfe.decision.record import assessment_numbers
 from fretfe.decision.short_cracks import Arrest
 from fretfe.decision.texts import answer, details, known_criteria, margin_tables
 from fretfe.files import replace_text, writing
 from fretfe.report.page.html import render_page
+from fretfe.report.plotting import Axes, Figure, NullFormatter
 from fretfe.report.texts import rounded
 from fretfe.report.theme import (
     BLUE,

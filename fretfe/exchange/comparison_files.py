@@ -8,14 +8,12 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from fretfe.exchange.comparison import EDGE_NUMBERS, FRONT_NUMBERS, Comparison, QuantityPair
 from fretfe.exchange.overlays import Curve, HistoryPair, TractionPair
 from fretfe.files import json_value, replace_text, writing
+from fretfe.report.plotting import Axes, Figure, mpl
 from fretfe.report.theme import (
     BLUE,
     GREY,

@@ -26,6 +26,7 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Indices
 from fretfe.environment import too_little_room
 from fretfe.errors import DependencyError, MemoryShortError
+from fretfe.libraries import elsewhere
 
 # Bytes of address space, which are less of memory: four times 128 MiB.
 WORK_SPACE = 4 * 128 * 2**20
@@ -50,27 +51,38 @@ def _may_be_spoiled() -> bool:
 
 if _may_be_spoiled():
     # The wheel says what to remove. It reads all that is installed for that: 0.1 s, or more.
-    import dolfinx_solver  # noqa: F401
+    with elsewhere():
+        import dolfinx_solver  # noqa: F401
 
 # Signals that this process ignores: of a pipe that nobody reads, of a closed terminal by `nohup`.
 _ignored = [each for each in signal.Signals if signal.getsignal(each) is signal.SIG_IGN]
 _petsc_is_new = "petsc4py.PETSc" not in sys.modules
 try:
-    # It finds the MPI library that those of the wheel are linked with: it comes first.
-    from mpi4py import MPI
-    from petsc4py import PETSc
-
-    with warnings.catch_warnings():
+    with elsewhere(), warnings.catch_warnings():
         # 0.9 warns if there is no Numba, which fretfe does not use; later versions do not.
         warnings.filterwarnings("ignore", "Could not import numba", ImportWarning)
-        import dolfinx
+        # It finds the MPI library that those of the wheel are linked with: it comes first.
+        from mpi4py import MPI  # isort: skip
+        import petsc4py
 
-    import basix.ufl
-    import dolfinx.fem.petsc
-    import dolfinx.geometry
-    import dolfinx.mesh
-    import ufl
-    from dolfinx import cpp as _cpp
+        # Not with files of options; PETSC_OPTIONS of the environment is the user's own.
+        petsc4py.init(["fretfe", "-skip_petscrc"])
+        from petsc4py import PETSc
+
+        import basix.ufl
+        import dolfinx
+        import dolfinx.fem.petsc
+        import dolfinx.geometry
+        import dolfinx.jit
+        import dolfinx.mesh
+        import ffcx.options
+        import ufl
+        from dolfinx import cpp as _cpp
+
+        with elsewhere(home=True):
+            # They look for their files of options once.
+            ffcx.options.get_options()
+            dolfinx.jit.get_options()
 except ImportError as error:
     raise DependencyError(
         "the finite-element part of fretfe needs DOLFINx with PETSc and MPI, which cannot be "
@@ -79,6 +91,9 @@ except ImportError as error:
     ) from error
 
 VERSION = tuple(int(part) for part in dolfinx.__version__.split(".")[:2])
+# All options of compiling, as they come with DOLFINx: not those that this process was started with.
+JIT_OPTIONS = {name: value for name, (value, _) in dolfinx.jit.DOLFINX_DEFAULT_JIT_OPTIONS.items()}
+FORM_OPTIONS = {name: value for name, (_, value, *_) in ffcx.options.FFCX_DEFAULT_OPTIONS.items()}
 
 
 @cache

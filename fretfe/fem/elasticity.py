@@ -21,13 +21,14 @@ import ufl
 from dolfinx import fem
 from dolfinx.graph import adjacencylist
 from dolfinx.io import distribute_entity_data
-from dolfinx.jit import get_options
 from dolfinx.mesh import meshtags_from_entities
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
 from fretfe.bodies.loads.spread import SpreadLoad, SurfaceTraction
 from fretfe.fem._compat import (
+    FORM_OPTIONS,
+    JIT_OPTIONS,
     MPI,
     PETSc,
     assemble_matrix,
@@ -37,6 +38,7 @@ from fretfe.fem._compat import (
     vtk_order,
 )
 from fretfe.files import open_own, require_writable
+from fretfe.libraries import cache_folder, elsewhere
 from fretfe.materials.crystals import PAIRS, VOIGT
 from fretfe.materials.material import Material
 from fretfe.mesh.elements import CORNERS, facet_node_count
@@ -49,8 +51,8 @@ PART_DEGREE = 12
 # Nodes are found by their places, to this fraction of the extent of these places.
 MATCH_TOLERANCE = 1e-8
 
-# Below the folder of DOLFINx: what is there belongs to processes that know the lock.
-FOLDER = "fretfe"
+# Below the folder for caches: what is there belongs to processes that know the lock.
+FOLDER = "fenics/fretfe"
 LOCK = "lock"
 # Seconds to wait for another process that compiles the same form.
 TIMEOUT = 120
@@ -84,19 +86,25 @@ def compiled(comm: MPI.Comm, compiler: Callable[..., T], *arguments: Any) -> T:
     """
     folder = Path(comm.bcast(_cache_folder() if comm.rank == 0 else ""))
     options: dict[str, Any] = {
-        "cache_dir": str(folder),
-        "timeout": TIMEOUT,
-        "cffi_extra_compile_args": list(COMPILER_FLAGS),
+        "form_compiler_options": dict(FORM_OPTIONS),
+        "jit_options": {
+            **JIT_OPTIONS,
+            "cache_dir": str(folder),
+            "timeout": TIMEOUT,
+            "cffi_extra_compile_args": list(COMPILER_FLAGS),
+        },
     }
-    if comm.rank > 0:  # takes what the first process has compiled
-        return compiler(*arguments, jit_options=options)
-    with open(folder / LOCK, "w", opener=open_own) as lock, _shared(lock, folder):
-        return compiler(*arguments, jit_options=options)
+    # CFFI reads settings of setuptools; it compiles in the folder.
+    with elsewhere(home=True):
+        if comm.rank > 0:  # takes what the first process has compiled
+            return compiler(*arguments, **options)
+        with open(folder / LOCK, "w", opener=open_own) as lock, _shared(lock, folder):
+            return compiler(*arguments, **options)
 
 
 def _cache_folder() -> str:
     """The folder for what is compiled; one that ends with this process if that cannot be used."""
-    folder = Path(get_options()["cache_dir"]) / FOLDER
+    folder = cache_folder() / FOLDER
     try:
         folder.mkdir(parents=True, exist_ok=True)
         os.close(open_own(folder / LOCK, os.O_RDWR))

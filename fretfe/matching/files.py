@@ -10,10 +10,7 @@ from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.errors import CaseError
@@ -26,6 +23,7 @@ from fretfe.matching.pads import PadTest
 from fretfe.matching.spreads import number_spreads, numbers_of, relative_bars
 from fretfe.matching.target import Target
 from fretfe.report.pictures.panels import save_png
+from fretfe.report.plotting import Axes, Figure, mpl
 from fretfe.report.theme import BLUE, FILE_DPI, GREEN, GREY, PALE, PURPLE, STYLE, VERMILLION
 from fretfe.results.writer import prepare_other
 

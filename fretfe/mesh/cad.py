@@ -16,7 +16,7 @@ from fretfe._typing import Array
 from fretfe.case import BoundarySelector, Geometry, Selector
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import require_file
-from fretfe.mesh.gmsh import gmsh_model
+from fretfe.mesh.gmsh import gmsh_model, link_to
 
 # A point may be this far from what it chooses, as a fraction of the size of the geometry.
 REACH = 0.01
@@ -289,7 +289,8 @@ def _import(gmsh: ModuleType, path: Path, unit: str) -> None:
     try:
         for name, value in wanted.items():
             before[name] = _set_option(gmsh, name, value)
-        gmsh.model.occ.importShapes(str(path))
+        with link_to(path) as link:
+            gmsh.model.occ.importShapes(str(link))
     finally:
         for name, value in before.items():
             _set_option(gmsh, name, value)

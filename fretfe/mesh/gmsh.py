@@ -9,6 +9,7 @@ import re
 import signal
 import subprocess
 import sys
+import tempfile
 import threading
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
@@ -21,6 +22,7 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Indices
 from fretfe.environment import memory_shortage
 from fretfe.errors import DependencyError, MeshError
+from fretfe.libraries import elsewhere
 from fretfe.mesh.templates import Template, check_parameters, parameter_error
 
 # What Gmsh's library takes from Python, and what PETSc would.
@@ -158,12 +160,13 @@ def gmsh_model(source: Path) -> Iterator[ModuleType]:
 
     Gmsh errors inside the block are raised as MeshError.
     """
-    gmsh = import_gmsh()
-    owner = not gmsh.isInitialized()
-    if owner:
-        with _kept_signals():
-            # no configuration files: the mesh must not depend on the user's Gmsh GUI settings
-            gmsh.initialize([], readConfigFiles=False, interruptible=False)
+    with elsewhere(home=True):  # Gmsh has a PETSc of its own
+        gmsh = import_gmsh()
+        owner = not gmsh.isInitialized()
+        if owner:
+            with _kept_signals():
+                # no configuration files: the mesh must not depend on the user's Gmsh GUI settings
+                gmsh.initialize([], readConfigFiles=False, interruptible=False)
     previous_model = "" if owner else gmsh.model.getCurrent()
     previous_terminal = gmsh.option.getNumber("General.Terminal")
     gmsh.option.setNumber("General.Terminal", 0)
@@ -187,6 +190,19 @@ def gmsh_model(source: Path) -> Iterator[ModuleType]:
             gmsh.model.remove()
             gmsh.model.setCurrent(previous_model)
             gmsh.option.setNumber("General.Terminal", previous_terminal)
+
+
+@contextlib.contextmanager
+def link_to(path: Path) -> Iterator[Path]:
+    """A link to a file, without the file of options beside it, which Gmsh would execute.
+
+    Meanwhile OpenCASCADE finds no settings in the working folder.
+    """
+    with tempfile.TemporaryDirectory(prefix="fretfe-") as folder:
+        link = Path(folder, path.name)
+        link.symlink_to(path.absolute())
+        with elsewhere():
+            yield link
 
 
 @contextlib.contextmanager

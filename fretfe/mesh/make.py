@@ -19,7 +19,7 @@ from fretfe.errors import MeshError, OutputError
 from fretfe.files import cut_off, replacing, require_file, writing
 from fretfe.mesh.contained import MESHING, raw_mesh_of
 from fretfe.mesh.elements import FACET_SHAPES, NUMBERS
-from fretfe.mesh.gmsh import RawMesh, gmsh_model, raw_mesh, script_model
+from fretfe.mesh.gmsh import RawMesh, gmsh_model, link_to, raw_mesh, script_model
 from fretfe.mesh.templates import Template
 
 # Not loaded by the process that reads a file and no more: it reads no cases.
@@ -278,7 +278,8 @@ def _meshed(
 
 def _merged(path: Path, opened: Callable[[], None]) -> RawMesh:
     with gmsh_model(path) as gmsh:
-        gmsh.merge(str(path))
+        with link_to(path) as link:
+            gmsh.merge(str(link))
         opened()
         return raw_mesh(gmsh, path)
 

@@ -17,24 +17,24 @@ from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_svg import FigureCanvasSVG
-from matplotlib.figure import Figure
-from matplotlib.patheffects import withStroke
-from matplotlib.ticker import (
+
+from fretfe._typing import Array, Indices
+from fretfe.errors import OutputError
+from fretfe.files import replacing
+from fretfe.report.plotting import (
     AutoLocator,
+    Axes,
+    Figure,
+    FigureCanvasSVG,
     FuncFormatter,
     LogLocator,
     MaxNLocator,
     NullFormatter,
     NullLocator,
+    mpl,
+    withStroke,
 )
-
-from fretfe._typing import Array, Indices
-from fretfe.errors import OutputError
-from fretfe.files import replacing
 from fretfe.report.texts import RAISED
 from fretfe.report.ticks import draw_ticks
 

@@ -13,20 +13,23 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.axis import Axis
-from matplotlib.collections import LineCollection
-from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
-from matplotlib.lines import Line2D
-from matplotlib.markers import TICKDOWN, TICKLEFT
-from matplotlib.textpath import text_to_path
-from matplotlib.ticker import NullLocator
-from matplotlib.transforms import ScaledTranslation
 
 from fretfe._typing import Array
+from fretfe.report.plotting import (
+    TICKDOWN,
+    TICKLEFT,
+    Axes,
+    Axis,
+    Figure,
+    FontProperties,
+    Line2D,
+    LineCollection,
+    NullLocator,
+    ScaledTranslation,
+    mpl,
+    text_to_path,
+)
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@
 from __future__ import annotations
 
 import csv
-import importlib
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import chain
 from pathlib import Path
@@ -17,6 +16,7 @@ from fretfe.errors import DependencyError
 from fretfe.evaluate.contacts import Contact, Station, StationHistory, histories
 from fretfe.files import replacing
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.libraries import started
 from fretfe.loads import History
 from fretfe.results.quantities import (
     AXES,
@@ -126,7 +126,7 @@ def require(package: str) -> Any:
         DependencyError: if it is not installed.
     """
     try:
-        return importlib.import_module(package)
+        return started(package)
     except ModuleNotFoundError as error:
         if error.name != package:
             raise

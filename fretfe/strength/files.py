@@ -9,14 +9,18 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import LogNorm
-from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, MaxNLocator, NullLocator
 
 from fretfe.files import json_value, replace_text, writing
+from fretfe.report.plotting import (
+    Axes,
+    Figure,
+    FuncFormatter,
+    LogNorm,
+    MaxNLocator,
+    NullLocator,
+    mpl,
+)
 from fretfe.report.texts import number
 from fretfe.report.theme import (
     COLOURS,

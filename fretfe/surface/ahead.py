@@ -6,9 +6,11 @@ from __future__ import annotations
 import signal
 import threading
 from collections.abc import Callable
+from queue import SimpleQueue
 
 from fretfe.case import Case
 from fretfe.errors import FretfeError
+from fretfe.libraries import has_own_folder
 from fretfe.mesh.gmsh import TAKEN_SIGNALS
 from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import load_mesh
@@ -60,10 +62,15 @@ class _Begun(threading.Thread):
         super().__init__(daemon=case.geometry.template is None)
         self._case = case
         self._found: Mesh | BaseException
+        self._alone: SimpleQueue[bool] = SimpleQueue()
         self.start()
+        # DOLFINx is loaded in another folder, which this one must not take for its own.
+        if not self._alone.get():
+            self.join()
 
     def run(self) -> None:
         """Make it."""
+        self._alone.put(has_own_folder())
         try:
             self._found = load_mesh(self._case)
         except BaseException as error:

@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from fretfe._typing import Array
 from fretfe.case import Units
 from fretfe.errors import OutputError
+from fretfe.report.plotting import Axes, Figure, mpl
 from fretfe.report.texts import number
 from fretfe.report.theme import (
     BLUE,

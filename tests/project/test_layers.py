@@ -26,6 +26,7 @@ LAYERS = (
     "fretfe.results",
     "fretfe.files",
     "fretfe.results.run_folder",
+    "fretfe.libraries",
     "fretfe.environment",
     "fretfe.plugins",
     "fretfe.faults",

@@ -3,7 +3,9 @@
 
 from __future__ import annotations
 
+import ast
 import json
+from collections.abc import Iterator
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
@@ -11,6 +13,7 @@ from typing import Any
 import pytest
 from cases.pad_cases import cylinder, pad_text
 from harness.launch import python
+from project.test_layers import MODULES
 
 WATCHED = """
 import json, sys
@@ -80,6 +83,28 @@ def test_imports_of_a_plane_run() -> None:
 def test_a_plane_report_imports_no_scipy(module: str) -> None:
     done = python("-c", f"import {module}, sys; print('scipy' in sys.modules)")
     assert done.stdout.split() == ["False"], done.stderr
+
+
+def test_matplotlib_is_imported_in_one_place() -> None:
+    # It reads settings where it is imported first; what only types need is never imported.
+    importing = {
+        name
+        for name, path in MODULES.items()
+        if any(
+            each.startswith("matplotlib") for each in packages_on_loading(path.read_text("utf-8"))
+        )
+    }
+    assert importing == {"fretfe.report.plotting"}
+
+
+def packages_on_loading(source: str) -> Iterator[str]:
+    """Yield the packages that a module imports as it is loaded."""
+    for node in ast.parse(source).body:
+        for inner in ast.walk(node) if isinstance(node, ast.With) else [node]:
+            if isinstance(inner, ast.Import):
+                yield from (alias.name.partition(".")[0] for alias in inner.names)
+            elif isinstance(inner, ast.ImportFrom):
+                yield (inner.module or "").partition(".")[0]
 
 
 def imported(program: str, *arguments: str) -> set[str]:

@@ -7,13 +7,13 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from matplotlib.axes import Axes
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.report.figures.tractions import EXTREMES, draw_lines, finish_lines, name_contact
 from fretfe.report.pictures.surfaces import Sheet, inward_in_plane, lay_out
+from fretfe.report.plotting import Axes
 from fretfe.report.source import edge_title, when
 from fretfe.results.model import Result
 

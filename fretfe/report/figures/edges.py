@@ -17,9 +17,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array, Bools
 from fretfe.case import Units
@@ -39,6 +36,7 @@ from fretfe.history.solution import Solution
 from fretfe.quality.ends import EndAnswer
 from fretfe.report.figures.history import rows_of, time_panels
 from fretfe.report.page.ends import end_lines
+from fretfe.report.plotting import Axes, Figure, MaxNLocator
 from fretfe.report.source import Shown, edge_title, inward, when
 from fretfe.report.texts import MISSING, number, with_error
 from fretfe.report.theme import (

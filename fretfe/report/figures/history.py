@@ -7,8 +7,6 @@ import math
 from collections.abc import Sequence
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
@@ -17,6 +15,7 @@ from fretfe.evaluate.resultants import shear_direction, shear_line
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
 from fretfe.loads import History
+from fretfe.report.plotting import Axes, Figure
 from fretfe.report.source import (
     Shown,
     edge_title,

@@ -4,13 +4,11 @@
 from __future__ import annotations
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.ticker import MaxNLocator
 
 from fretfe._typing import Array
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.history.solution import Solution
+from fretfe.report.plotting import Axes, Figure, MaxNLocator
 from fretfe.report.theme import (
     BLUE,
     GREEN,

@@ -7,10 +7,6 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.colors import BoundaryNorm, ListedColormap
-from matplotlib.figure import Figure
-from matplotlib.patches import Patch
 
 from fretfe._typing import Array, Bools
 from fretfe.case import Case, Units
@@ -27,6 +23,7 @@ from fretfe.evaluate.stress import (
 )
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, Solution
 from fretfe.history.state_array import blocks
+from fretfe.report.plotting import Axes, BoundaryNorm, Figure, ListedColormap, Patch
 from fretfe.report.source import Shown, edge_title, inward
 from fretfe.report.texts import number, with_error, with_prefix
 from fretfe.report.theme import (

@@ -14,15 +14,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
-from matplotlib.axes import Axes
-from matplotlib.collections import LineCollection, PolyCollection
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.transforms import Affine2D
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.case import Case
@@ -41,6 +34,16 @@ from fretfe.report.pictures.panels import (
     plural,
     set_limits,
     settle,
+)
+from fretfe.report.plotting import (
+    Affine2D,
+    Axes,
+    Figure,
+    Line2D,
+    LineCollection,
+    Patch,
+    PolyCollection,
+    mpl,
 )
 from fretfe.report.source import state_title, times_text
 from fretfe.report.theme import (

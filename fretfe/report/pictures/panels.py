@@ -8,22 +8,24 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
-from matplotlib import colormaps
-from matplotlib.axes import Axes
-from matplotlib.backends.backend_agg import FigureCanvasAgg
-from matplotlib.collections import PathCollection
-from matplotlib.figure import Figure
-from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.path import Path as Outline
-from matplotlib.ticker import MaxNLocator
-from matplotlib.transforms import Bbox
 from PIL import Image as Pillow
 
 from fretfe._typing import Array, Bools
 from fretfe.files import replacing
+from fretfe.report.plotting import (
+    Axes,
+    Bbox,
+    ConstrainedLayoutEngine,
+    Figure,
+    FigureCanvasAgg,
+    MaxNLocator,
+    Outline,
+    PathCollection,
+    colormaps,
+    mpl,
+)
 from fretfe.report.theme import PICTURE_DPI, PICTURE_HEIGHT, PICTURE_WIDTH
 from fretfe.report.ticks import draw_ticks
 

@@ -18,12 +18,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
-from matplotlib.figure import Figure
 from PIL.Image import Image
 
 from fretfe.environment import memory_shortage, missing_package
@@ -60,6 +55,7 @@ from fretfe.report.pictures.panels import (
     settle,
     show_image,
 )
+from fretfe.report.plotting import Axes, Figure, Normalize, ScalarMappable, mpl
 from fretfe.report.source import (
     cycle_states,
     extremes,

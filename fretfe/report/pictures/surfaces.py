@@ -11,16 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
-from matplotlib.axes import Axes
-from matplotlib.cm import ScalarMappable
-from matplotlib.colors import BoundaryNorm
-from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
-from matplotlib.patches import Patch
-from matplotlib.ticker import MaxNLocator
-from matplotlib.tri import Triangulation
 from PIL import Image
 
 from fretfe._typing import Array
@@ -36,6 +27,17 @@ from fretfe.report.pictures.panels import (
     settle,
 )
 from fretfe.report.pictures.unroll import Unrolled, unroll
+from fretfe.report.plotting import (
+    Axes,
+    BoundaryNorm,
+    Figure,
+    Line2D,
+    MaxNLocator,
+    Patch,
+    ScalarMappable,
+    Triangulation,
+    mpl,
+)
 from fretfe.report.source import cycle_states, state_title, times_text
 from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH, FRAMED, HALO, PALE, VERMILLION
