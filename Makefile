@@ -91,14 +91,14 @@ clean:  ## remove environments, builds and caches; results stay
 .venv/.installed: $(BUILD_INPUTS)
 	@mkdir -p build && touch build/started
 	tools/install.sh .venv $(SETTINGS) -e '.[fem,report,test,lint,docs]'
-	$(BIN)/fretfe info >/dev/null
+	@! $(BIN)/fretfe info | grep 'cannot be used'
 	@mv build/started $@ && cp -p $@ .venv/.runs
 
 # All that a run and its report need, without what tests, checks and documents need besides.
 .venv/.runs: $(BUILD_INPUTS)
 	@mkdir -p build && touch build/started-runs
 	tools/install.sh .venv $(SETTINGS) -e '.[fem,report]'
-	$(BIN)/fretfe info >/dev/null
+	@! $(BIN)/fretfe info | grep 'cannot be used'
 	@mv build/started-runs $@
 
 # Not editable: this is what a user gets from pip install.

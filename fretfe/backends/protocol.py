@@ -29,6 +29,8 @@ GROUP = "fretfe.backends"
 LOG = logging.getLogger("fretfe")
 LOG.addHandler(logging.NullHandler())
 OWN = ("halfplane", "fem")
+# What solves a case if nobody chooses.
+DEFAULT = "fem"
 # What takes the place of a backend of earlier versions.
 GONE = {"analytic": "'halfplane' solves the same cases, and fretfe.analytic has closed forms"}
 

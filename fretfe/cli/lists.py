@@ -174,32 +174,47 @@ INFO_EXAMPLES = examples("fretfe info", "mpirun -n 2 fretfe info")
 
 
 def info() -> None:
-    """Show versions, MPI and the linear-algebra library in use.
-
-    Ends with an error that names what is missing if Gmsh does not load.
-    """
+    """Show versions, MPI and the linear-algebra library in use, and why one cannot be used."""
     from fretfe.environment import loaded_libraries, reference_blas, versions
-    from fretfe.fem import _compat
-    from fretfe.fem._compat import MPI
-    from fretfe.fem.bordered import unsymmetric_because
-    from fretfe.mesh.gmsh import import_gmsh
 
-    if MPI.COMM_WORLD.rank != 0:
-        return
-    for name, version in {**versions(), **_compat.versions()}.items():
-        print(f"{name:12s} {version}")
-    print(f"{'MPI ranks':12s} {MPI.COMM_WORLD.size}")
-    why = unsymmetric_because()
-    print(f"{'factors':12s} {f'LU: {why}' if why else 'symmetric'}")
+    first = rank_from_environment() == 0
+    shown = print if first else lambda text: None
+    for name, version in versions().items():
+        shown(f"{name:12s} {version}")
+    for name, tell in (("gmsh", _gmsh_lines), ("dolfinx", _dolfinx_lines)):
+        try:
+            for line in tell():
+                shown(line)
+        except Exception as error:  # whatever it is, the rest is told
+            shown(f"{name:12s} cannot be used: {error}")
     libraries = loaded_libraries("blas")
     for library in libraries:
-        print(f"{'BLAS':12s} {library}")
+        shown(f"{'BLAS':12s} {library}")
     for library in reference_blas(libraries):
-        print(
+        shown(
             f"Warning: {library} is the reference BLAS, which makes factorisations about four "
             "times slower. Install OpenBLAS (Debian: libopenblas0-pthread)."
         )
+
+
+def _gmsh_lines() -> list[str]:
+    from fretfe.mesh.gmsh import import_gmsh
+
     import_gmsh()
+    return []  # its version is that of the package
+
+
+def _dolfinx_lines() -> list[str]:
+    from fretfe.fem import _compat
+    from fretfe.fem.bordered import unsymmetric_because
+
+    why = unsymmetric_because()
+    facts = {
+        **_compat.versions(),
+        "MPI ranks": _compat.MPI.COMM_WORLD.size,
+        "factors": f"LU: {why}" if why else "symmetric",
+    }
+    return [f"{name:12s} {fact}" for name, fact in facts.items()]
 
 
 SCHEMA_EXAMPLES = examples("fretfe schema > case.schema.json")

@@ -433,7 +433,7 @@ def verify(
 ) -> None:
     """Run benchmarks with known answers.
 
-    Exit code 1 if one of them fails.
+    Exit code 1 if one of them fails, or if fem cannot be used and no backend was chosen.
     """
     from fretfe.cli.progress import BenchmarkReport
     from fretfe.quality.comparison import as_numbers, print_summary

@@ -34,7 +34,14 @@ if _shortage := too_little_room(WORK_SPACE, "DOLFINx and its linear algebra may 
     # Libraries without room end the process while they are loaded.
     raise MemoryShortError(_shortage)
 # Where MUMPS is to find its dgemmt, which must be there before PETSc is: fretfe/fem/bordered.py.
-DGEMMT = ctypes.CDLL(str(Path(_kernels.__file__).with_name("_gemmt.so")), ctypes.RTLD_GLOBAL)
+# A distribution may have given it the name of an extension module of one Python.
+_gemmt = importlib.util.find_spec("fretfe._core._gemmt")
+if _gemmt is None or _gemmt.origin is None:
+    raise DependencyError(
+        f"expected the library _gemmt of fretfe in {Path(_kernels.__file__).parent}, found none. "
+        "Install fretfe anew"
+    )
+DGEMMT = ctypes.CDLL(_gemmt.origin, ctypes.RTLD_GLOBAL)
 # Distributions that replace files of the wheel of 0.11, or of one another.
 RIVALS = ("petsc", "petsc4py", "slepc", "slepc4py", "dolfinx-solver-complex")
 

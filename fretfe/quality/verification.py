@@ -17,6 +17,7 @@ from fretfe.backends import (
     backend_names,
     installed_backends,
 )
+from fretfe.backends.protocol import DEFAULT
 from fretfe.case import Case
 from fretfe.environment import few_threads
 from fretfe.errors import CaseError, FretfeError
@@ -169,6 +170,8 @@ def verify(
         observer: is told of each benchmark with each backend, as a phase.
         show: called with each benchmark and its rows.
 
+    One that is named here, or is the default and nobody chose others, fails if it cannot be used.
+
     Raises:
         CaseError: if no backend of one of these names is installed.
     """
@@ -183,7 +186,8 @@ def verify(
             start = time.perf_counter()
             if installed.processes.rank == 0:
                 observer.phase(f"{benchmark.name}: {installed.name}")
-            found += run_benchmark(benchmark, installed)
+            required = installed.name in (names or (DEFAULT,))
+            found += run_benchmark(benchmark, installed, required=required)
             seconds[installed.name] += time.perf_counter() - start
         if show is not None:
             show(benchmark, found)
@@ -209,7 +213,9 @@ def _agree(chosen: Sequence[Installed], passed: bool) -> bool:
     return passed or not active
 
 
-def run_benchmark(benchmark: Benchmark, installed: Installed) -> tuple[Row, ...]:
+def run_benchmark(
+    benchmark: Benchmark, installed: Installed, *, required: bool = False
+) -> tuple[Row, ...]:
     """Compare a backend's numbers with the known ones. Collective over the backend's processes.
 
     Whatever a backend raises becomes a row, but for one thing: an error that is none of fretfe's
@@ -220,7 +226,8 @@ def run_benchmark(benchmark: Benchmark, installed: Installed) -> tuple[Row, ...]
     expected = FretfeError if installed.processes.shared else Exception
     try:
         if backend is None:
-            return (remark(benchmark.name, installed.name, Verdict.SKIPPED, installed.reason),)
+            verdict = Verdict.FAILED if required else Verdict.SKIPPED
+            return (remark(benchmark.name, installed.name, verdict, installed.reason),)
         if reasons := backend.supports(benchmark.case):
             return (remark(benchmark.name, installed.name, Verdict.SKIPPED, "; ".join(reasons)),)
         twin = None if benchmark.twin is None else _solve(backend, benchmark.twin)

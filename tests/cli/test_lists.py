@@ -3,13 +3,15 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from harness.packages import write_package
 
-from fretfe.cli.lists import materials, templates
+import fretfe
+from fretfe.cli.lists import info, materials, templates
 
 
 @pytest.mark.parametrize(
@@ -30,3 +32,15 @@ def test_a_broken_plug_in_hides_no_other(
         line.startswith("lost not usable: 'lost' of broken_list 1.0 cannot be used: division by")
         for line in lines
     ), lines
+
+
+def test_info_tells_versions_where_dolfinx_and_gmsh_cannot_be_used(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    # Python takes None for a module that is not there.
+    for name in ("fretfe.fem._compat", "fretfe.mesh.gmsh"):
+        monkeypatch.setitem(sys.modules, name, None)
+    info()
+    told = capsys.readouterr().out
+    assert f"fretfe       {fretfe.__version__}" in told
+    assert "\ndolfinx      cannot be used: " in told and "\ngmsh         cannot be used: " in told

@@ -14,10 +14,12 @@ from fretfe.backends.protocol import DEFAULTS
 from fretfe.case import Case
 from fretfe.errors import ConvergenceError, ModelError
 from fretfe.loads import History
+from fretfe.quality import verification
 from fretfe.quality.comparison import Benchmark, Quantity, Row
 from fretfe.quality.cycles import TENSION_ONLY, loop_case
 from fretfe.quality.verification import run_benchmark
 from fretfe.results.model import Result
+from fretfe.verdict import Verdict
 
 T = TypeVar("T")
 RESULT = Result(loop_case(TENSION_ONLY), History((), np.zeros(1), np.zeros((1, 0)), None), (), None)
@@ -159,3 +161,21 @@ def test_control_has_to_fail_in_every_comparison(
 def test_control_may_be_refused_but_not_crash(error: Exception, verdict: str) -> None:
     (row,) = run(Stub(error), 1.0, control=True)
     assert row.verdict == verdict
+
+
+@pytest.mark.parametrize(
+    ("names", "verdict"),
+    [((), Verdict.FAILED), (("fem",), Verdict.FAILED), (("stub",), Verdict.AGREES)],
+    ids=["nobody chose", "chosen", "another was chosen"],
+)
+def test_a_backend_that_cannot_be_used_fails_unless_others_were_chosen(
+    monkeypatch: pytest.MonkeyPatch, names: tuple[str, ...], verdict: Verdict
+) -> None:
+    installed = (Installed("fem", "fretfe", None, "no DOLFINx"), Installed("stub", "own", Stub()))
+    monkeypatch.setattr(verification, "installed_backends", lambda: installed)
+    monkeypatch.setattr(verification, "backend_names", lambda: ("fem", "stub"))
+    monkeypatch.setattr(verification, "benchmarks", lambda: (benchmark(1.0),))
+    monkeypatch.setattr(verification, "controls", lambda: ())
+    found = verification.verify(names)
+    assert found.rows[0].verdict is verdict
+    assert found.passed == (verdict is Verdict.AGREES)

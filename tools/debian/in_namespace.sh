@@ -10,14 +10,14 @@ root=$cache/$suite
 
 install_packages() {
     as_root "$apt_limit" "apt-get -qq update
-        $packages
-        apt-get clean" >"$root.log" 2>&1
+        $packages" >"$root.log" 2>&1
 }
 
 # The file that says so comes last: an interrupted installation is begun anew.
 if [ ! -e "$root/etc/fretfe-packages" ]; then
     new_system
     mount_system
+    keep_downloads
     step "packages of docs/install.md"
     install_packages || give_up "test-debian: the packages of docs/install.md cannot be installed"
     echo "$packages" >"$root/etc/fretfe-packages"

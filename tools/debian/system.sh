@@ -87,6 +87,14 @@ new_system() {
     ) 8>"$bare.lock"
 }
 
+# What apt has downloaded once is kept, for other systems of the suite too.
+keep_downloads() {
+    mkdir -p "$cache/$suite-archives"
+    mount --bind "$cache/$suite-archives" "$root/var/cache/apt/archives"
+    echo 'Binary::apt::APT::Keep-Downloaded-Packages "true";' \
+        >"$root/etc/apt/apt.conf.d/91keep"
+}
+
 # The checkout, without what was built in it, in the tester's folder.
 copy_checkout() {
     find "$root/tmp" -mindepth 1 -delete
