@@ -21,6 +21,9 @@ from pydantic import (
     model_validator,
 )
 
+from fretfe.case.toml_file import plain_value
+from fretfe.errors import CaseError
+
 # Tags mark which alternative of a table was read. The prefix cannot start a key of a case file that
 # passes, so that messages can tell tags from keys.
 TAG = "::"
@@ -59,6 +62,21 @@ Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, ...] = ("x", "y", "z")
 # The last two are about the axis of a sector.
 HeldAlong = Literal["x", "y", "z", "radial", "tangential"]
+
+
+def positive_number(key: str, value: object) -> float:
+    """Return a number that a program gives, if a case may have it where it has to be > 0.
+
+    Raises:
+        CaseError: if it is none, with the key.
+    """
+    number = plain_value(value)
+    valid = isinstance(number, int | float) and not isinstance(number, bool)
+    if not (valid and SMALLEST <= number <= LARGEST):
+        raise CaseError(
+            f"{key}: expected a number > 0, from {SMALLEST:g} to {LARGEST:g}, found {value!r}"
+        )
+    return float(number)
 
 
 Separator = Annotated[

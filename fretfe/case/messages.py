@@ -5,73 +5,23 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
 from pathlib import Path
-from typing import Any, get_args
+from types import UnionType
+from typing import Annotated, Any, Union, get_args, get_origin
 
-from pydantic import ValidationError
+from pydantic import Tag, ValidationError
 from pydantic_core import ErrorDetails
 
-from fretfe.case.base import TAG, BoundarySelector, Selector, Table
-from fretfe.case.bodies import (
-    CRYSTAL,
-    ISOTROPIC,
-    Body,
-    Crystal,
-    Elastic,
-    Orientation,
-    Orthotropic,
-)
-from fretfe.case.friction import TAGS, VARYING
-from fretfe.case.layer import Layer
+from fretfe.case.base import TAG, Table
+from fretfe.case.friction import VARYING
 from fretfe.case.loads import LOADS
 from fretfe.case.model import Case, Contradiction, Key, Problem
 from fretfe.case.segments import KINDS
-from fretfe.case.tables import (
-    Contact,
-    Cycle,
-    Edges,
-    Geometry,
-    Model,
-    Output,
-    Solid,
-    Support,
-    Symmetry,
-    TiedParts,
-)
-from fretfe.case.units import Units
 
-SECTIONS: dict[str, type[Table]] = {
-    "units": Units,
-    "model": Model,
-    "geometry": Geometry,
-    "bodies": Body,
-    "contacts": Contact,
-    "supports": Support,
-    "symmetry": Symmetry,
-    "ties": TiedParts,
-    "cycle": Cycle,
-    "edges": Edges,
-    "output": Output,
-}
-NESTED: dict[tuple[str | int, ...], type[Table]] = {
-    ("geometry", "bodies"): Selector,
-    ("geometry", "boundaries"): BoundarySelector,
-    ("geometry", "solid"): Solid,
-}
-OF_CONTACTS: dict[str | int, type[Table]] = {"layer": Layer}
 # Characters of a text, or digits of a number, that are shown.
 LONGEST = 60
-TAGGED = {f"{TAG}{key}": table for key, table in (LOADS | KINDS).items()}
-TAGGED |= {ISOTROPIC: Body, CRYSTAL: Crystal}
-TAGGED |= TAGS
-OF_CRYSTALS: dict[str | int, type[Table]] = {
-    "elastic": Elastic,
-    "orthotropic": Orthotropic,
-    "orientation": Orientation,
-}
-
 EXPECTED = {
     "float_type": "a number",
     "int_type": "a whole number",
@@ -239,39 +189,55 @@ def found(value: Any) -> str:
 
 def _unknown_key(location: tuple[str | int, ...], top: type[Table]) -> str:
     name = str(location[-1])
-    valid = list(_table(location, top).model_fields)
+    valid = list(_fields(_table(location[:-1], top)))
     near = get_close_matches(name.lower(), valid, n=3, cutoff=0.6)
     if near:
         return f"unknown key; did you mean {' or '.join(map(repr, near))}?"
     return f"unknown key, expected one of {', '.join(map(repr, valid))}"
 
 
-def _table(location: tuple[str | int, ...], top: type[Table]) -> type[Table]:
-    """The table that the last part of a location is a key of."""
-    tags = [part for part in location if part in TAGGED]
-    if CRYSTAL in tags and location[-2] in OF_CRYSTALS:
-        return OF_CRYSTALS[location[-2]]
-    if tags:
-        return TAGGED[str(tags[-1])]
-    if len(location) > 2 and location[:2] in NESTED:
-        return NESTED[location[:2]]
-    if location[0] == "contacts" and location[2] in OF_CONTACTS and len(location) > 3:
-        return OF_CONTACTS[location[2]]
-    if len(location) == 1:
-        return top
-    return SECTIONS[str(location[0])] if top is Case else _inner(location[:-1], top)
+def _fields(table: type[Table]) -> dict[str, Any]:
+    """Types of the values of a table, by their keys in the file."""
+    return {field.alias or name: field.annotation for name, field in table.model_fields.items()}
 
 
-def _inner(location: Iterable[str | int], top: type[Table]) -> type[Table]:
-    """The table at a location below another one, which may be optional on the way."""
-    for name in location:
-        annotation = top.model_fields[str(name)].annotation
-        top = next(
-            each
-            for each in (annotation, *get_args(annotation))
-            if isinstance(each, type) and issubclass(each, Table)
-        )
-    return top
+def _table(location: Iterable[str | int], top: type[Table]) -> type[Table]:
+    """The table at a location below another one."""
+    kind: Any = top
+    for part in location:
+        kind = _inner(kind, part)
+    return next(each for each, _ in _alternatives(kind) if _is_table(each))
+
+
+def _inner(kind: Any, part: str | int) -> Any:
+    """Type of what is below a value of a type: an alternative by its tag, a key, or an item."""
+    known = list(_alternatives(kind))
+    if tagged := [each for each, tag in known if tag == part]:
+        return tagged[0]
+    for each, _ in known:
+        if _is_table(each) and part in _fields(each):
+            return _fields(each)[str(part)]
+    # Of a mapping by names, or a list.
+    return next(
+        get_args(each)[-1 if get_origin(each) is dict else 0] for each, _ in known if get_args(each)
+    )
+
+
+def _is_table(kind: Any) -> bool:
+    return isinstance(kind, type) and issubclass(kind, Table)
+
+
+def _alternatives(kind: Any, tag: str = "") -> Iterator[tuple[Any, str]]:
+    """The types of a union, each with its tag."""
+    if get_origin(kind) is Annotated:
+        inner, *more = get_args(kind)
+        tags = [each.tag for each in more if isinstance(each, Tag)]
+        yield from _alternatives(inner, tags[0] if tags else tag)
+    elif get_origin(kind) in (Union, UnionType):
+        for each in get_args(kind):
+            yield from _alternatives(each, tag)
+    else:
+        yield kind, tag
 
 
 def _no_load_type(load: Mapping[str, Any]) -> str:

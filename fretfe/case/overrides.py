@@ -8,7 +8,6 @@ one segment of its history has it.
 
 from __future__ import annotations
 
-import copy
 import tomllib
 from collections.abc import Iterable, Iterator, Mapping
 from difflib import get_close_matches
@@ -19,6 +18,7 @@ from fretfe.case.base import TAG
 from fretfe.case.loads import LOADS
 from fretfe.case.model import Case
 from fretfe.case.segments import KINDS, segment_kind
+from fretfe.case.toml_file import MOST_KEYS, TOO_DEEP, TOO_MANY, key_count, plain_value
 from fretfe.errors import CaseError
 
 EVERY = "*"
@@ -79,7 +79,7 @@ def with_overrides(
             meant, or replaces what another one has set; all such paths are listed. Whether keys and
             values are valid is not checked.
     """
-    changed = copy.deepcopy(dict(data))
+    changed = _plain(data, source)
     problems = []
     before: dict[tuple[str, ...], str] = {}
     for path, value in overrides.items():
@@ -88,12 +88,22 @@ def with_overrides(
                 whole = _full_path(changed, keys)
                 _require_new(whole, before)
                 before[whole] = path
-                _set(changed, whole, plain_value(value))
+                _set(changed, whole, _plain(value, source))
         except _NoPlace as error:
             problems.append(f"{source}: {path}: {error}")
     if problems:
         raise CaseError("\n".join(problems))
     return changed
+
+
+def _plain(value: Any, source: Path) -> Any:
+    try:
+        plain = plain_value(value)
+    except RecursionError:
+        raise CaseError(f"{source}: {TOO_DEEP}") from None
+    if (keys := key_count(plain)) > MOST_KEYS:
+        raise CaseError(f"{source}: {TOO_MANY.format(keys)}")
+    return plain
 
 
 def _require_new(path: tuple[str, ...], before: Mapping[tuple[str, ...], str]) -> None:
@@ -106,11 +116,6 @@ def _require_new(path: tuple[str, ...], before: Mapping[tuple[str, ...], str]) -
 
 class _NoPlace(Exception):
     """A path leads nowhere; says why."""
-
-
-def plain_value(value: Any) -> Any:
-    """A copy; numbers of NumPy as those of Python."""
-    return value.item() if hasattr(value, "item") else copy.deepcopy(value)
 
 
 def _each(data: Any, path: tuple[str, ...], depth: int = 0) -> Iterator[tuple[str, ...]]:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 import re
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,11 @@ from fretfe.files import require_file
 # Tables and lists within one another; the deepest of a case are the points of a selector.
 DEEPEST = 20
 TOO_DEEP = f"expected tables and lists at most {DEEPEST} deep in one another, found deeper ones"
+# Keys of all tables of a case: each of them is looked at, and may be a problem to be told.
+MOST_KEYS = 1000 * DEEPEST
+TOO_MANY = (
+    f"expected at most {MOST_KEYS} keys in all tables, found {{}}; long histories go into CSV files"
+)
 
 
 def read_tables(source: Path, what: str, most: float = math.inf) -> dict[str, Any]:
@@ -29,9 +35,11 @@ def read_tables(source: Path, what: str, most: float = math.inf) -> dict[str, An
         CaseError: if it cannot be read, or is not TOML.
     """
     text = _read(source, what, most)
+    # To read them would take a minute.
+    if (keys := text.count("=") + text.count("\n[")) > MOST_KEYS:
+        raise CaseError(f"{source}: {TOO_MANY.format(keys)}")
     try:
-        data = tomllib.loads(text)
-        _require_shallow(data)
+        data: dict[str, Any] = plain_value(tomllib.loads(text))
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{source}: {_syntax_problem(str(error), text)}") from None
     except RecursionError:
@@ -42,13 +50,30 @@ def read_tables(source: Path, what: str, most: float = math.inf) -> dict[str, An
     return data
 
 
-def _require_shallow(data: Any, depth: int = 0) -> None:
-    """Raise RecursionError where tables and lists are in one another deeper than any case has."""
+def key_count(value: Any) -> int:
+    """Number of keys of all tables in a value in the types of TOML."""
+    if isinstance(value, dict):
+        return len(value) + sum(map(key_count, value.values()))
+    return sum(map(key_count, value)) if isinstance(value, list) else 0
+
+
+def plain_value(value: Any, depth: int = 0) -> Any:
+    """A copy in the types that TOML has: numbers and arrays of NumPy as those of Python.
+
+    Args:
+        value: that a file or a program gives.
+        depth: of tables and lists that it is in.
+
+    Raises:
+        RecursionError: where tables and lists are in one another deeper than any case has.
+    """
     if depth > DEEPEST:
         raise RecursionError
-    if isinstance(data, dict | list):
-        for each in data.values() if isinstance(data, dict) else data:
-            _require_shallow(each, depth + 1)
+    if isinstance(value, Mapping):
+        return {key: plain_value(each, depth + 1) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [plain_value(each, depth + 1) for each in value]
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def _read(source: Path, what: str, most: float) -> str:

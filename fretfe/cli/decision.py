@@ -3,15 +3,13 @@
 
 from __future__ import annotations
 
-import math
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fretfe.cli.options import AsJson, examples
+from fretfe.cli.options import AsJson, examples, positive
 from fretfe.environment import rank_from_environment
-from fretfe.errors import CaseError
 from fretfe.report.texts import print_whole
 
 ASSESS_EXAMPLES = examples(
@@ -38,11 +36,18 @@ def assess(
     ] = None,
     life: Annotated[
         float | None,
-        typer.Option(help="Cycles that the tests are asked for.", show_default=False),
+        typer.Option(
+            parser=positive,
+            metavar="NUMBER",
+            help="Cycles that the tests are asked for.",
+            show_default=False,
+        ),
     ] = None,
     at_least: Annotated[
         float | None,
         typer.Option(
+            parser=positive,
+            metavar="NUMBER",
             help="End with exit code 1 if a margin is less or unknown.",
             show_default=False,
         ),
@@ -66,8 +71,6 @@ def assess(
     from fretfe.decision.record import assessment_numbers
     from fretfe.decision.texts import answer, details, margin_tables
 
-    if at_least is not None and not 0 < at_least < math.inf:
-        raise CaseError(f"--at-least: expected a finite number > 0, found {at_least:g}")
     result, *others = map(load_result, directories)
     found = judge(result, material, tests, life, others)
     if as_json:

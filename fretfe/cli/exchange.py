@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fretfe.cli.options import AsJson, Results, TrustGeo, examples
+from fretfe.cli.options import AsJson, Results, TrustGeo, examples, positive
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError
 from fretfe.files import json_value
@@ -354,6 +354,8 @@ def submodel(
     radius: Annotated[
         float | None,
         typer.Option(
+            parser=positive,
+            metavar="NUMBER",
             help="Radius of the part.",
             show_default="3 times the distance of the contact's edges, at a free end that to the "
             "middle of the contact",
@@ -362,6 +364,8 @@ def submodel(
     size: Annotated[
         float | None,
         typer.Option(
+            parser=positive,
+            metavar="NUMBER",
             help="Size of the elements at contact edges.",
             show_default="a quarter of the run's, at a free end half or 1/1.4",
         ),
@@ -372,7 +376,12 @@ def submodel(
     ] = False,
     length: Annotated[
         float | None,
-        typer.Option(help="Of the front next to the end.", show_default="2 slip zones"),
+        typer.Option(
+            parser=positive,
+            metavar="NUMBER",
+            help="Of the front next to the end.",
+            show_default="2 slip zones",
+        ),
     ] = None,
     trust_geo: TrustGeo = False,
 ) -> None:

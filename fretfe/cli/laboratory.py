@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import AsJson, Results, examples
+from fretfe.cli.options import AsJson, Results, examples, positive
 from fretfe.environment import rank_from_environment
 from fretfe.report.texts import (
     MISSING,
@@ -272,7 +272,12 @@ def strength(
             show_default=False,
         ),
     ],
-    life: Annotated[float, typer.Option(help="Cycles that the component has to reach.")],
+    life: Annotated[
+        float,
+        typer.Option(
+            parser=positive, metavar="NUMBER", help="Cycles that the component has to reach."
+        ),
+    ],
     output: Annotated[
         Path | None,
         typer.Option(

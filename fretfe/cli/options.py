@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import contextlib
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -48,6 +49,22 @@ class Verbosity(Enum):
     QUIET = "quiet"
     NORMAL = "normal"
     VERBOSE = "verbose"
+
+
+def positive(text: str) -> float:
+    """Return a number of the command line, as a case may have it where it has to be > 0.
+
+    Raises:
+        BadParameter: if it is none, or not within the limits of a case.
+    """
+    from fretfe.case.base import LARGEST, SMALLEST
+
+    with contextlib.suppress(ValueError):
+        if SMALLEST <= (value := float(text)) <= LARGEST:
+            return value
+    raise typer.BadParameter(
+        f"expected a number > 0, from {SMALLEST:g} to {LARGEST:g}, found {text!r}"
+    )
 
 
 def verbosity_of(quiet: bool, verbose: bool) -> Verbosity:

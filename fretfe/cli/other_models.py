@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import AsJson, Results, examples
+from fretfe.cli.options import AsJson, Results, examples, positive
 from fretfe.environment import rank_from_environment
 from fretfe.files import json_value
 from fretfe.report.texts import number, percent, plain_table, print_whole
@@ -95,7 +95,12 @@ def forces(
         float | None, typer.Option(help="Time of a state.", show_default="the last one")
     ] = None,
     factor: Annotated[
-        float, typer.Option(help="Length unit of the model, in that of the results.")
+        float,
+        typer.Option(
+            parser=positive,
+            metavar="NUMBER",
+            help="Length unit of the model, in that of the results.",
+        ),
     ] = 1.0,
 ) -> None:
     """Write contact tractions as forces at the nodes of another model.

@@ -18,7 +18,7 @@ import numpy as np
 import tomli_w
 
 from fretfe.case import Case, parse_case
-from fretfe.case.base import CAD, file_kind
+from fretfe.case.base import CAD, file_kind, positive_number
 from fretfe.errors import CaseError, OutputError
 from fretfe.exchange.part_place import (
     driving_states,
@@ -113,6 +113,9 @@ def write_submodel(
         OutputError: if the results are not complete, or files cannot be read or written.
         MeshError: if there is no mesh of the part.
     """
+    for option, value in (("--radius", radius), ("--size", size)):
+        if value is not None:
+            positive_number(option, value)
     folder, end = require_fields(result), find_end(result, around)
     if end is not None and size is None and result.case.edges.tolerance is not None:
         raise CaseError(

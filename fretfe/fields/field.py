@@ -15,7 +15,7 @@ from typing import Literal
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.case.base import AXES
+from fretfe.case.base import AXES, LARGEST
 from fretfe.errors import CaseError, OutputError
 from fretfe.fields.frd import read_frd
 from fretfe.fields.sizes import require_sizes
@@ -152,7 +152,23 @@ def read_field(path: Path, quantity: Quantity = "displacements", arrays: Names =
     read = READERS.get(path.suffix.lower()) or _by_other
     found = read(path, quantity, arrays)
     _require_good(path, found)
-    return found
+
+    def values(step: int) -> Array:
+        read = found.values(step)
+        _require_usual(path, f"values in step {step + 1}", read)
+        return read
+
+    return replace(found, values=values)
+
+
+def _require_usual(path: Path, what: str, values: Array) -> None:
+    """Check that numbers (n, ...) at points are as a case may have them; NaN is none."""
+    rows = np.flatnonzero((np.abs(values) > LARGEST).reshape(len(values), -1).any(axis=1))
+    if rows.size:
+        raise CaseError(
+            f"{path}: expected {what} from {-LARGEST:g} to {LARGEST:g}, found {values[rows[0]]} "
+            f"(point {rows[0]})"
+        )
 
 
 def _by_other(path: Path, quantity: Quantity, arrays: Names) -> Field:
@@ -172,6 +188,7 @@ def _require_good(path: Path, found: Field) -> None:
         raise CaseError(
             f"{path}: expected finite coordinates, found {found.points[row]} (point {row})"
         )
+    _require_usual(path, "coordinates", found.points)
     if not len(found.times) or not len(found.points):
         missing = "steps" if len(found.points) else "points"
         raise CaseError(f"{path}: expected values of at least one step, found no {missing}")

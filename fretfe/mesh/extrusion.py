@@ -26,7 +26,7 @@ FRONT = "front"
 BACK = "back"
 
 # The vertices (rank 0, 1 or 2; lower or upper layer) of the three tetrahedra of a prism.
-_TETRAHEDRA = (
+TETRAHEDRA = (
     ((0, 0), (1, 0), (2, 0), (2, 1)),
     ((0, 0), (1, 0), (2, 1), (1, 1)),
     ((0, 0), (0, 1), (1, 1), (2, 1)),
@@ -229,7 +229,7 @@ class _Prisms:
     def cells(self) -> Indices:
         """Tetrahedra (3 * layers * m, 4 or 10) with positive determinant."""
         triangles, turned = self._ranked(self._body.cells[:, :3])
-        cells = np.concatenate([self._nodes(triangles, shape) for shape in _TETRAHEDRA])
+        cells = np.concatenate([self._nodes(triangles, shape) for shape in TETRAHEDRA])
         # ranks that run clockwise give the mirror images of the three shapes
         turned = np.tile(turned, len(cells) // len(turned))
         mirrored = cells[:, reversal("tetrahedron", self._body.order)]

@@ -15,11 +15,12 @@ import numpy as np
 from fretfe.case import Case, Geometry, check_dimension, complaint
 from fretfe.case.base import ABAQUS, CAD, GMSH_SCRIPT, XDMF, FileKind, Selector, file_kind
 from fretfe.case.tables import Part
+from fretfe.environment import machine_memory
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import file_fault
 from fretfe.mesh.cad import cad_model
 from fretfe.mesh.contained import raw_mesh_of
-from fretfe.mesh.extrusion import BACK, FRONT, Ends, SectorSides, extrude
+from fretfe.mesh.extrusion import BACK, FRONT, TETRAHEDRA, Ends, SectorSides, extrude
 from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.inp_demands import Uses
 from fretfe.mesh.inp_groups import label_of, read_inp
@@ -152,7 +153,28 @@ def _extruded_mesh(case: Case, mesh: Mesh) -> Mesh:
         found, known = (", ".join(sorted(each)) for each in (unknown, mesh.bodies))
         text = f"expected spans of the bodies {known}, found one of {found}"
         raise CaseError(complaint(case.source, ("geometry", "solid", "spans"), text))
+    _require_room(case, mesh, case.geometry.solid.layers)
     return extrude(mesh, case.geometry.solid, _sides(case, mesh), _free_ends(case, mesh))
+
+
+def _require_room(case: Case, mesh: Mesh, layers: int) -> None:
+    """Check that a plane mesh makes no more solid elements than fit, before they are made.
+
+    Raises:
+        MeshError: if they do not.
+    """
+    from fretfe.mesh.cost import least_memory
+
+    memory = machine_memory()
+    cells = sum(len(body.cells) for body in mesh.bodies.values())
+    elements = len(TETRAHEDRA) * cells * layers
+    if memory is not None and (needed := least_memory(elements, 3)) > memory:
+        text = (
+            f"expected layers that fit into the memory of this machine ({memory / 2**30:.0f} GB), "
+            f"found {layers} on {cells} elements of the plane mesh, which take "
+            f"{needed / 2**30:.0f} GB or more: take fewer layers, or larger elements in the plane"
+        )
+        raise MeshError(complaint(case.source, ("geometry", "solid", "layers"), text))
 
 
 def _free_ends(case: Case, mesh: Mesh) -> Ends:

@@ -19,6 +19,7 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.case.base import positive_number
 from fretfe.errors import ModelError, OutputError
 from fretfe.evaluate.contacts import Station
 from fretfe.files import json_value, replace_text, writing
@@ -227,7 +228,7 @@ def end_answer(
     # The error by the cut falls with the fourth power of the distance from it.
     inner = fine.case.geometry.part.radius / 2
     finer, coarser = (_level(each, end, inner) for each in (fine, coarse))
-    length = _two_zones(end) if length is None else length
+    length = _two_zones(end) if length is None else positive_number("--length", length)
     exponent, exponent_spread = _power(
         *((each.distance, each.k_range) for each in (finer, coarser)), length=length
     )

@@ -23,8 +23,8 @@ from fretfe.backends.protocol import Session
 from fretfe.bodies.input_files import input_digests
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
-from fretfe.case.overrides import parse_value, plain_value, split_assignment, with_overrides
-from fretfe.case.toml_file import read_tables
+from fretfe.case.overrides import parse_value, split_assignment, with_overrides
+from fretfe.case.toml_file import plain_value, read_tables
 from fretfe.caution import Caution
 from fretfe.errors import CaseError, FretfeError, StoppedError
 from fretfe.faults import Fault, faults_so_far, guarded

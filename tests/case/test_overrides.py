@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.pad_cases import HERTZ, pad
+from cases.pad_cases import HERTZ, pad, pad_text
 from harness.launch import fretfe
 
 from fretfe.case import as_written, case_text, changed, load_case, parse_assignments, parse_case
@@ -253,3 +253,37 @@ def test_a_value_in_a_table_that_is_set_before() -> None:
     changes = {"bodies.upper": {"young": 1.0, "poisson": 0.3}, "bodies.upper.poisson": 0.2}
     found = with_overrides(DATA, changes, SOURCE)
     assert found["bodies"]["upper"] == {"young": 1.0, "poisson": 0.2}
+
+
+def test_numbers_and_truths_of_numpy_are_those_of_python() -> None:
+    case = load_case(
+        {
+            **pad(),
+            "model": {"degree": np.int64(2), "thickness": np.float32(0.5)},
+            "edges": {"local": np.bool_(False)},
+            "output": {"stress_depths": np.array([0.0, 0.1])},
+        },
+        {"edges.stations": np.int32(20)},
+    )
+    assert (case.model.degree, case.edges.local, case.edges.stations) == (2, False, 20)
+    assert case.output.stress_depths == (0.0, 0.1)
+
+
+def test_tables_in_tables_are_not_endless() -> None:
+    deep: dict[str, Any] = {}
+    inner = deep
+    for _ in range(5000):
+        inner = inner.setdefault("a", {})
+    with pytest.raises(CaseError, match="at most 20 deep"):
+        load_case({**pad(), "geometry": deep})
+    with pytest.raises(CaseError, match="at most 20 deep"):
+        load_case(pad(), {"geometry": deep})
+
+
+def test_many_keys_are_refused_before_they_are_looked_at(tmp_path: Path) -> None:
+    path = tmp_path / "case.toml"
+    path.write_text(pad_text() + "[many]\n" + "\n".join(f"k{i} = 1" for i in range(10**5)))
+    with pytest.raises(CaseError, match="at most 20000 keys"):
+        load_case(path)
+    with pytest.raises(CaseError, match="at most 20000 keys"):
+        load_case({**pad(), "many": dict.fromkeys(map(str, range(10**5)), 1)})

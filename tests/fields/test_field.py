@@ -80,3 +80,12 @@ def test_without_a_reader_the_endings_are_listed(tmp_path: Path, table: Path) ->
     other.write_text("")
     with pytest.raises(CaseError, match=r"\.pvd, \.odb, or a results folder"):
         read_field(other)
+
+
+def test_values_that_no_case_may_have_are_refused(tmp_path: Path, table: Path) -> None:
+    bring(tmp_path, READER)
+    points = np.loadtxt(table)
+    points[1, 0] = 1e300
+    np.savetxt(table, points)
+    with pytest.raises(CaseError, match=r"coordinates from -1e\+30 to 1e\+30, .*\(point 1\)"):
+        read_field(table)
