@@ -144,11 +144,27 @@ def coupled_contacts(
         require_covered(given, surface)
         coupling = replace(pair.coupling, surface=surface)
         if (gap := read_gap(case, pair.name)) is not None:
+            bodies = [mesh.bodies[body].points for body in (pair.body1, pair.body2)]
+            _require_smaller(gap, bodies, case.units.length)
             coupling = _with_gap(case, pair, surface, gap)
         if (layer := read_layer(case, pair.name)) is not None:
             pair = replace(pair, layer=layer_at_nodes(layer, surface))
         pairs.append(replace(pair, coupling=coupling))
     return tuple(pairs)
+
+
+def _require_smaller(gap: OverSurface, bodies: Sequence[Array], unit: str) -> None:
+    """Check that a gap is smaller than the larger of two bodies with their points (n, d).
+
+    Raises:
+        CaseError: if it is larger, as one in other units.
+    """
+    size = max(float(np.linalg.norm(np.ptp(points, axis=0))) for points in bodies)
+    if (largest := float(np.abs(gap.values).max())) > size:
+        raise CaseError(
+            f"{gap.key}: expected a gap that is smaller than the bodies ({size:.4g} {unit}), found "
+            f"{largest:.4g} {unit}"
+        )
 
 
 def _require_heat(key: str, model: ModelDefinition, bodies: tuple[str, str]) -> None:

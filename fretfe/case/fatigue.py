@@ -59,6 +59,11 @@ class ThresholdTable(Table):
             )
         if self.ratios is not None and self.ranges is not None:
             require_increasing("ratios", self.ratios, self.ranges)
+            if any(b > a for a, b in pairwise(self.ranges)):
+                raise ValueError(
+                    "expected ranges that do not grow with R, as cracks are open for more of a "
+                    "cycle, found some that do"
+                )
         return self
 
 
@@ -135,6 +140,19 @@ class LifeTable(Table):
             raise ValueError("expected lives from 0.5 to 1e15 cycles, found others")
         return self
 
+    @property
+    def tested_at(self) -> float:
+        """Ratio R of the tests; laws are of reversed ones."""
+        return -1.0 if self.ratio is None else self.ratio
+
+    @property
+    def lowest(self) -> float:
+        """Amplitude of the stress at which specimens fail last; of a law its elastic part."""
+        if self.amplitudes is not None:
+            return self.amplitudes[-1]
+        assert self.strength is not None and self.exponent is not None
+        return float(self.strength * (2 * self.cycles[-1]) ** self.exponent)
+
 
 class Fatigue(Table):
     """Fatigue data of a material; nothing has a default.
@@ -162,6 +180,26 @@ class Fatigue(Table):
         data = (self.limit, self.torsion, self.threshold, self.growth, self.life)
         if self.units is None and any(each is not None for each in data):
             raise ValueError("expected units beside data, found none")
+        if self.growth is not None and self.units is not None:
+            # No part is longer.
+            if self.growth.end * METRES[self.units.length] > 10.0:
+                found = f"{self.growth.end:g} {self.units.length}"
+                raise ValueError(f"growth.end: expected cracks of at most 10 m, found {found}")
+        return self
+
+    @model_validator(mode="after")
+    def _endured(self) -> Self:
+        """Specimens that endure the limit do not fail below it, at the same R."""
+        limit, life = self.limit, self.life
+        if limit is None or life is None or limit.ratio != life.tested_at:
+            return self
+        lowest, endured = life.lowest, limit.range / 2
+        # Both are read from scattered tests.
+        if lowest < 0.9 * endured:
+            raise ValueError(
+                f"life: expected amplitudes of at least {endured:g}, which limit says is endured, "
+                f"found {lowest:g} at {life.cycles[-1]:g} cycles"
+            )
         return self
 
     @model_validator(mode="after")

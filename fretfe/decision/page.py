@@ -8,9 +8,10 @@ import math
 from pathlib import Path
 
 from fretfe.decision.assessment import Assessment, EdgeAssessment, Judgement
-from fretfe.decision.record import assessment_numbers
+from fretfe.decision.record import SCHEMA, assessment_numbers
 from fretfe.decision.short_cracks import Arrest
 from fretfe.decision.texts import answer, details, known_criteria, margin_tables
+from fretfe.errors import OutputError
 from fretfe.files import replace_text, writing
 from fretfe.report.page.html import render_page
 from fretfe.report.plotting import Axes, Figure, NullFormatter
@@ -35,15 +36,29 @@ def write_assessment(found: Assessment, folder: Path) -> tuple[Path, ...]:
 
     Raises:
         CaseError: if the folder holds results of a run.
-        OutputError: if a file cannot be written.
+        OutputError: if a file cannot be written, or the page would replace that of another.
     """
     prepare_other(folder)
     page, numbers = folder / "assessment.html", folder / "assessment.json"
+    if page.exists() and not _is_assessment(numbers):
+        raise OutputError(
+            f"{page}: expected none, or one of fretfe with {numbers.name} beside it, found another "
+            "file: name another folder"
+        )
     with writing(folder, "the assessment"):
         text = json.dumps(assessment_numbers(found), indent=1, allow_nan=False)
         replace_text(numbers, text + "\n")
         replace_text(page, _page(found))
     return page, numbers
+
+
+def _is_assessment(numbers: Path) -> bool:
+    """True if a file has the numbers of an assessment, as a page of fretfe has them beside it."""
+    try:
+        schema = json.loads(numbers.read_text("utf-8"))["schema"]
+        return bool(schema["name"] == SCHEMA["name"])
+    except (OSError, ValueError, KeyError, TypeError):
+        return False
 
 
 def _page(found: Assessment) -> str:

@@ -146,8 +146,13 @@ HOSTILE: dict[str, tuple[dict[str, Any], str]] = {
     "turned": ({"threshold": {"ratios": [0.5, 0.0], "ranges": [3, 4]}}, "fatigue.threshold"),
     "unequal": ({"threshold": {"ratios": [0.0, 0.5], "ranges": [3, 4, 5]}}, "fatigue.threshold"),
     "ratio of one": ({"threshold": {"ratios": [0.0, 1.0], "ranges": [3, 4]}}, "fatigue.threshold"),
+    "threshold that grows": (
+        {"threshold": {"ratios": [0.0, 0.5], "ranges": [3, 4]}},
+        "fatigue.threshold: expected ranges that do not grow with R",
+    ),
     "only ratios": ({"threshold": {"ratios": [0.0, 0.5]}}, "fatigue.threshold"),
     "growth without lengths": ({"growth": {**PARIS, "start": None}}, "fatigue.growth.start"),
+    "growth to the stars": ({"growth": {**PARIS, "end": 1e30}}, "fatigue: growth.end: expected"),
     "growth backwards": ({"growth": {**PARIS, "start": 1.0}}, "fatigue.growth"),
     "three bounds": ({"growth": {**PARIS, "ranges": [1, 2, 3]}}, "fatigue.growth"),
     "one bound": ({"growth": {**PARIS, "ranges": [1]}}, "fatigue.growth.ranges"),
@@ -156,6 +161,19 @@ HOSTILE: dict[str, tuple[dict[str, Any], str]] = {
     "steep law": ({"growth": {**PARIS, "exponent": 300.0}}, "fatigue.growth: expected rates"),
     "half a law": ({"growth": {**PARIS, "exponent": None}}, "fatigue.growth"),
     "two laws": ({"growth": {**PARIS, "rates": [1e-9, 1e-8]}}, "fatigue.growth"),
+    "life below the limit": (
+        {"life": {"ratio": -1.0, "amplitudes": [420, 100], "cycles": [1e4, 1e6]}},
+        "fatigue: life: expected amplitudes of at least 248",
+    ),
+    "law below the limit": (
+        {
+            "life": {
+                **{"strength": 500.0, "exponent": -0.1, "ductility": 1.0},
+                **{"ductility_exponent": -0.6, "cycles": [1e3, 1e7]},
+            }
+        },
+        "fatigue: life: expected amplitudes of at least 248",
+    ),
     "falling": (
         {"growth": {"ranges": [5, 50], "rates": [2e-9, 1e-9], "start": 1e-4, "end": 1e-3}},
         "fatigue.growth",

@@ -25,7 +25,7 @@ from fretfe.decision.assess import assess
 from fretfe.decision.assessment import Assessment, Criterion, Judgement
 from fretfe.decision.page import write_assessment
 from fretfe.decision.texts import answer, details, margin_tables
-from fretfe.errors import CaseError
+from fretfe.errors import CaseError, OutputError
 from fretfe.loads import build_history
 from fretfe.report.texts import rounded
 from fretfe.results.model import Result
@@ -170,3 +170,12 @@ def test_the_page_and_the_numbers(known: Assessment, tmp_path: Path) -> None:
 def test_no_page_among_results(known: Assessment, tmp_path: Path) -> None:
     with pytest.raises(CaseError, match="without results"):
         write_assessment(known, write_run(tmp_path / "run", "halfplane"))
+
+
+def test_the_page_of_another_is_kept(known: Assessment, tmp_path: Path) -> None:
+    page = tmp_path / "assessment.html"
+    page.write_text("of another")
+    with pytest.raises(OutputError, match="found another file"):
+        write_assessment(known, tmp_path)
+    assert [each.name for each in tmp_path.iterdir()] == [page.name]
+    assert page.read_text() == "of another"
