@@ -7,6 +7,7 @@ histories; tractions, meshes and files are those of process 0.
 
 from __future__ import annotations
 
+import inspect
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
@@ -17,6 +18,7 @@ from fretfe._typing import Array
 from fretfe.backends import Observer
 from fretfe.backends.protocol import LOG, SILENT
 from fretfe.case import Case, load_case
+from fretfe.case.arguments import typed
 from fretfe.checked import Checked, check, make_mesh
 from fretfe.decision.assess import assess
 from fretfe.decision.assessment import Assessment
@@ -67,7 +69,6 @@ def run(
     Returns:
         The result; its `faults` say what is unknown because of an error of fretfe itself.
     """
-    _require_case(case)
     runner = Runner.find(backend)
     result = runner.run(case, _folder(output), observer, resume=resume)
     if runner.processes.rank == 0:
@@ -111,7 +112,6 @@ def sweep(
     Raises:
         FretfeError: before any work, if a combination is not a valid case.
     """
-    _require_case(case)
     return Runner.find(backend).sweep(case, vary, _folder(output), observer)
 
 
@@ -180,18 +180,7 @@ def validate(
     Raises:
         FretfeError: if the case itself cannot be solved.
     """
-    _require_case(case)
     return Runner.find(backend).validate(case, _folder(output), observer)
-
-
-def _require_case(given: object) -> None:
-    """Check that a case is one.
-
-    Raises:
-        TypeError: if it is a path, say.
-    """
-    if not isinstance(given, Case):
-        raise TypeError(f"case: expected a Case, as load_case gives it, found {given!r:.80}")
 
 
 def _folder(output: Path | str | None) -> Path | None:
@@ -371,3 +360,9 @@ def plot_tornado(sweep: Sweep, quantity: str, ax: Axes | None = None) -> Axes:
     return draw_in(
         ax, 1, 1, SINGLE, lambda panels: draw_tornado(panels[0], effects, explained, label)
     )[0]
+
+
+# An argument of a wrong type is named, by all of them.
+globals().update(
+    (name, typed(globals()[name])) for name in fretfe.__all__ if inspect.isfunction(globals()[name])
+)

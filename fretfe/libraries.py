@@ -76,8 +76,8 @@ def started(name: str) -> ModuleType:
     Raises:
         ImportError: if it cannot be.
     """
-    if name in sys.modules:
-        return sys.modules[name]
+    if (known := sys.modules.get(name)) is not None:
+        return known
     with elsewhere(home=True):
         module = importlib.import_module(name)
         # PyVista imports it too. It looks for its folder once.

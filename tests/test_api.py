@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import csv
 import importlib.metadata
+import inspect
 import json
 import logging
 import sys
@@ -361,3 +362,47 @@ def test_mistakes(pad: Path) -> None:
 
 def test_the_version_is_that_of_the_package() -> None:
     assert fretfe.__version__ == importlib.metadata.version("fretfe")
+
+
+OTHERS = [None, 5, "x", [1], {"a": 1}, object(), b"x", 3.5, np.zeros(3), True]
+# First arguments that no value of these types can be.
+OBJECTS = [
+    *("assess", "check", "compare", "compare_tests", "export", "make_mesh", "match_test"),
+    *("plot_comparison", "plot_factors", "plot_loads", "plot_scatter", "plot_strength"),
+    *("plot_tornado", "plot_tractions", "run", "sweep", "validate", "write_submodel"),
+]
+
+
+@pytest.mark.parametrize("other", OTHERS, ids=lambda other: type(other).__name__)
+@pytest.mark.parametrize("name", OBJECTS)
+def test_an_argument_of_a_wrong_type_is_named(name: str, other: object) -> None:
+    function = getattr(fretfe, name)
+    first, *others = inspect.signature(function).parameters.values()
+    rest = [None for each in others if each.default is each.empty]
+    with pytest.raises(TypeError, match=f"{name}: {first.name}: expected "):
+        function(other, *rest)
+
+
+@pytest.mark.parametrize(
+    ("call", "message"),
+    [
+        (lambda: fretfe.load_case(5), "load_case: path: expected Path | str | Mapping"),  # type: ignore[arg-type]
+        (lambda: fretfe.load_case({}, [1]), r"overrides: .*found \[1\]"),  # type: ignore[arg-type]
+        (lambda: fretfe.load_result(b"pad"), "load_result: directory: "),  # type: ignore[arg-type]
+        (lambda: fretfe.sample({"a": (0, 1)}, "4"), "sample: count: expected int"),  # type: ignore[arg-type]
+        (lambda: fretfe.sample({"a": (0, 1)}, True), "sample: count: expected int"),
+        (lambda: fretfe.sample({"a": 3}, 4), "sample: bounds: "),  # type: ignore[dict-item]
+        (lambda: fretfe.strength_map("t", [5], 1e6), "strength_map: results: "),  # type: ignore[list-item]
+        (lambda: fretfe.verify("fem"), "verify: names: "),
+    ],
+)
+def test_other_arguments_of_wrong_types(call: Callable[[], object], message: str) -> None:
+    with pytest.raises(TypeError, match=message.replace("|", r"\|")):
+        call()
+
+
+def test_numbers_of_numpy_are_arguments() -> None:
+    bounds: Any = {"a": (np.float64(0), np.int64(1))}
+    count: Any = np.int64(4)
+    points = fretfe.sample(bounds, count)
+    assert len(points["a"]) == 4
