@@ -38,7 +38,6 @@ def assess(
         float | None,
         typer.Option(
             parser=positive,
-            metavar="NUMBER",
             help="Cycles that the tests are asked for.",
             show_default=False,
         ),
@@ -47,7 +46,6 @@ def assess(
         float | None,
         typer.Option(
             parser=positive,
-            metavar="NUMBER",
             help="End with exit code 1 if a margin is less or unknown.",
             show_default=False,
         ),

@@ -355,7 +355,6 @@ def submodel(
         float | None,
         typer.Option(
             parser=positive,
-            metavar="NUMBER",
             help="Radius of the part.",
             show_default="3 times the distance of the contact's edges, at a free end that to the "
             "middle of the contact",
@@ -365,7 +364,6 @@ def submodel(
         float | None,
         typer.Option(
             parser=positive,
-            metavar="NUMBER",
             help="Size of the elements at contact edges.",
             show_default="a quarter of the run's, at a free end half or 1/1.4",
         ),
@@ -378,7 +376,6 @@ def submodel(
         float | None,
         typer.Option(
             parser=positive,
-            metavar="NUMBER",
             help="Of the front next to the end.",
             show_default="2 slip zones",
         ),

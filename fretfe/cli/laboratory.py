@@ -275,7 +275,7 @@ def strength(
     life: Annotated[
         float,
         typer.Option(
-            parser=positive, metavar="NUMBER", help="Cycles that the component has to reach."
+            parser=positive, help="Cycles that the component has to reach."
         ),
     ],
     output: Annotated[

@@ -98,7 +98,6 @@ def forces(
         float,
         typer.Option(
             parser=positive,
-            metavar="NUMBER",
             help="Length unit of the model, in that of the results.",
         ),
     ] = 1.0,
