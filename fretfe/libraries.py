@@ -18,13 +18,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import ModuleType
 
-# Where no library has settings: the folder of fretfe; a home in which none can be made either, as
-# it is a file; and one that is on no machine, for those that expect a folder or nothing.
-FOLDER = Path(__file__).parent
-NO_HOME = __file__
-NO_SETTINGS = "/nonexistent"
 # From Linux's sched.h: what threads have in common of folders.
-CLONE_FS = 0x200
+CLONE_FS = getattr(os, "CLONE_FS", 0x200)  # Python 3.12 names it
 _LOCK = threading.RLock()
 
 
@@ -41,7 +36,7 @@ def elsewhere(*, home: bool = False) -> Iterator[None]:
         back = os.open(".", os.O_PATH | os.O_CLOEXEC)
         variables = _no_home() if home else {}
         before = {name: os.environ.get(name) for name in variables}
-        os.chdir(FOLDER)
+        os.chdir(Path(__file__).parent)
         os.environ.update(variables)
         try:
             yield
@@ -56,8 +51,9 @@ def _no_home() -> dict[str, str]:
     """Variables by which libraries find no settings in a home folder, but their caches."""
     cache = str(cache_folder())
     return {
-        "HOME": NO_HOME,
-        "XDG_CONFIG_HOME": NO_SETTINGS,
+        # A file, in which no library can make a folder; and a folder that is on no machine.
+        "HOME": __file__,
+        "XDG_CONFIG_HOME": "/nonexistent",
         "XDG_CACHE_HOME": cache,
         "MATPLOTLIBRC": os.devnull,
         # Without it Matplotlib would make one in the home folder, and says so if it cannot.

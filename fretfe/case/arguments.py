@@ -20,7 +20,7 @@ NUMBERS: dict[Any, tuple[type, ...]] = {
     bool: (bool, np.bool_),
 }
 
-GIVEN = {"Case": ", as load_case gives it", "Result": ", as run or load_result gives it"}
+MAKERS = {"Case": ", as load_case gives it", "Result": ", as run or load_result gives it"}
 
 
 def typed(function: F) -> F:
@@ -38,7 +38,7 @@ def typed(function: F) -> F:
             if not fits(value, _kind(annotation, vars(known))):
                 raise TypeError(
                     f"{function.__name__}: {name}: expected {annotation}"
-                    f"{GIVEN.get(annotation, '')}, found {reprlib.repr(value)}"
+                    f"{MAKERS.get(annotation, '')}, found {reprlib.repr(value)}"
                 )
         return function(*arguments, **more)
 
