@@ -34,6 +34,8 @@ EDGE = ("position", "half_width", *BARRED)
 EDGES = ("case", "contact", "edge", *EDGE, *(f"{name}_coarse" for name in BARRED))
 TRACTIONS = ("case", "contact", "time", "x", "point_x", "point_y", "p", "q")
 DIGITS = 6
+# Of the meshes that the tables were made with, beside the parameters of the demos.
+GROWTH = 0.2
 
 
 def cases() -> Iterator[tuple[str, Case]]:
@@ -58,7 +60,8 @@ def cases() -> Iterator[tuple[str, Case]]:
 def _complete(case: Case) -> Case:
     assert case.geometry.template is not None
     known = find_template(case.geometry.template).parameters
-    values = {each.name: each.default for each in known} | dict(case.geometry.parameters)
+    defaults = {each.name: each.default for each in known} | {"growth": GROWTH}
+    values = defaults | dict(case.geometry.parameters)
     return changed(case, {f"geometry.parameters.{name}": value for name, value in values.items()})
 
 

@@ -17,7 +17,7 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.mesh.elements import quadrature, shape_slopes, shape_values
-from fretfe.surface.surface import Surface, mean_curvature
+from fretfe.surface.surface import GAUSS_POINTS, Surface, mean_curvature
 
 # Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
 if TYPE_CHECKING:
@@ -29,10 +29,8 @@ CLOSE = 1e-5
 # Weight of the distance from a first guess, over the curvature squared, beside turning per length
 # squared: where many fields turn equally little it decides, and elsewhere changes 1e-5 radians.
 GUESS = 1e-3
-# Gauss points along each direction of a facet.
-GAUSS_POINTS = 4
-# Newton steps; a few are needed, each of which moves many places to the border of what is allowed.
-STEPS = 50
+# Steps of Newton's method: each moves many places to the border of what is allowed; few are needed.
+PASSES = 50
 # Part of a diagonal at which a matrix is taken for singular.
 SINGULAR = 1e-12
 # Radians: where no direction turns by more in a step, they have been found.
@@ -118,7 +116,7 @@ class _Arcs:
             return float(np.sum(normals * (turning @ normals)) + mass @ (angle - guess) ** 2) / 2
 
         angle, round_off = guess, np.finfo(float).eps * float(turning.diagonal().sum())
-        for _ in range(STEPS):
+        for _ in range(PASSES):
             step = self._newton(angle, turning, mass, guess)
             most, size = value(angle) + round_off, 1.0
             while value(moved := np.clip(angle + size * step, 0.0, self.angle)) > most:
