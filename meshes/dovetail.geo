@@ -27,7 +27,8 @@
 //                                                      <------ disc_width / 2 ----->
 //
 // At the start the flats touch (gap zero) and the roundings curve away from the disc, so each flank
-// is a flat punch with rounded ends. The candidate contact surfaces are the flat and the first
+// is a flat punch with rounded ends. With upper_on_disc = 1 the flat of the blade goes on by overhang
+// at the upper end, and the edge of the slot is the rounding, of upper_radius. The candidate contact surfaces are the flat and the first
 // contact_angle of each rounding, and what lies opposite on the disc. The blade is mesh side 1, the
 // disc 7 % coarser, so the meshes do not match.
 //
@@ -68,7 +69,8 @@ DefineConstant[
   sectors        = {0,    Min 0,     Max 1000,Name "Parameters/23 Number of sectors of the disc, 0 for a block [-]", Step 1},
   pitch_radius   = {250,  Min 10,    Max 5000,Name "Parameters/24 Radius from the axis of the disc to the middle of the flanks [mm]"},
   upper_front    = {0,    Min 0,     Max 20,  Name "Parameters/25 Distance of the middle of the fine mesh from the upper end of the flat, on the rounding [mm]"},
-  lower_front    = {0,    Min 0,     Max 20,  Name "Parameters/26 Distance of the middle of the fine mesh from the lower end of the flat, on the rounding [mm]"}
+  lower_front    = {0,    Min 0,     Max 20,  Name "Parameters/26 Distance of the middle of the fine mesh from the lower end of the flat, on the rounding [mm]"},
+  upper_on_disc  = {0,    Min 0,     Max 1,   Name "Parameters/27 Upper rounding on the disc (1) or the blade (0) [-]", Step 1}
 ];
 
 // Angles, and the directions of the right flank: (tx, ty) down along it, (nx, ny) out of the blade.
@@ -84,6 +86,10 @@ nx = Sin(flank); ny = Cos(flank);
 neck = neck_width / 2;
 turned_x = Sin(flank - relief); turned_y = Cos(flank - relief);
 upper_x = neck + neck_fillet + upper_radius * nx - (upper_radius + neck_fillet) * turned_x;
+If (upper_on_disc)
+  // the fillet of the neck begins where the flat of the blade ends
+  upper_x = neck + neck_fillet * (1 - nx) + overhang * tx;
+EndIf
 upper_y = -ty * flank_length / 2;
 lower_x = upper_x + flank_length * tx;
 lower_y = -upper_y;
@@ -93,15 +99,22 @@ upper_cx = upper_x - upper_radius * nx; upper_cy = upper_y - upper_radius * ny;
 lower_cx = lower_x - lower_radius * nx; lower_cy = lower_y - lower_radius * ny;
 neck_cx = upper_cx + (upper_radius + neck_fillet) * turned_x;
 neck_cy = upper_cy + (upper_radius + neck_fillet) * turned_y;
+If (upper_on_disc)
+  neck_cx = upper_x - overhang * tx + neck_fillet * nx;
+  neck_cy = upper_y - overhang * ty + neck_fillet * ny;
+EndIf
 root = lower_cx + lower_radius;
 root_bottom = upper_y - root_height;
 slot_bottom = root_bottom - slot_clearance;
 slot_x = lower_x + overhang * tx; slot_y = lower_y + overhang * ty;
 slot_cx = slot_x - slot_fillet * nx; slot_cy = slot_y - slot_fillet * ny;
 slot = slot_cx + slot_fillet;
-mouth_x = upper_x - overhang * tx; mouth_y = upper_y - overhang * ty;
-mouth_cx = mouth_x + mouth_radius * nx; mouth_cy = mouth_y + mouth_radius * ny;
-mouth = mouth_cx - mouth_radius;
+mouth_x = upper_x - overhang * tx; mouth_y = upper_y - overhang * ty; edge_radius = mouth_radius;
+If (upper_on_disc)
+  mouth_x = upper_x; mouth_y = upper_y; edge_radius = upper_radius;
+EndIf
+mouth_cx = mouth_x + edge_radius * nx; mouth_cy = mouth_y + edge_radius * ny;
+mouth = mouth_cx - edge_radius;
 disc_top = mouth_cy + mouth_height;
 disc_base = disc_top - disc_depth;
 blade_top = disc_top + shank_height;
@@ -138,6 +151,10 @@ most = 0.8 * touch * lower_radius;
 If (lower_front > most)
   Error("lower_front: expected at most %.6g (eight tenths of the candidate contact on the rounding), found %g", most, lower_front); wrong = 1;
 EndIf
+most = edge_zone - edge_size;
+If (upper_on_disc && upper_front > most)
+  Error("upper_front: expected at most %.6g with upper_on_disc (edge_zone less edge_size: the fine mesh begins on the flat), found %g", most, upper_front); wrong = 1;
+EndIf
 most = Min(0.9 * touch * upper_radius - upper_front, 0.9 * touch * lower_radius - lower_front);
 most = Min(most, 0.45 * flank_length);
 If (edge_zone > most)
@@ -164,9 +181,11 @@ If (dx > 0 && dy > 0 && gap < apart)
 EndIf
 // between the edge of the slot and the neck with its fillet, over their directions
 gap = neck_width;
-For i In {0 : 50}
+// with upper_on_disc they touch along the normal of the flank, and part on the way to the neck
+last = upper_on_disc ? 0 : 50;
+For i In {0 : last}
   angle = (Pi / 2 - flank) * i / 50;
-  gap = Min(gap, neck_fillet - mouth_radius - (neck_cx - mouth_cx) * Cos(angle) - (neck_cy - mouth_cy) * Sin(angle));
+  gap = Min(gap, neck_fillet - edge_radius - (neck_cx - mouth_cx) * Cos(angle) - (neck_cy - mouth_cy) * Sin(angle));
 EndFor
 If (gap < apart)
   Error("neck_width: the neck with its fillets does not pass through the mouth of the slot, which is %.6g wide: expected a gap of at least %.3g, found %.3g (neck_width %g); a smaller overhang or mouth_radius or a larger neck_fillet helps", 2 * mouth, apart, gap, neck_width); wrong = 1;
@@ -252,12 +271,20 @@ For side In {1 : -1 : -2}
   Point(p)      = {side * neck, blade_top, 0};
   Point(p + 1)  = {side * neck, neck_cy, 0};
   Point(p + 2)  = {side * neck_cx, neck_cy, 0};
-  Point(p + 3)  = {side * (upper_cx + upper_radius * turned_x), upper_cy + upper_radius * turned_y, 0};
-  Point(p + 4)  = {side * upper_cx, upper_cy, 0};
-  angle = flank - touch;
-  Point(p + 5)  = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
-  angle = flank - (upper_front + edge_zone) / upper_radius;
-  Point(p + 6)  = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
+  If (upper_on_disc)
+    Point(p + 3) = {side * (upper_x - overhang * tx), upper_y - overhang * ty, 0};
+    reach = upper_radius * Sin(touch);
+    Point(p + 5) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
+    reach = upper_front + edge_zone;
+    Point(p + 6) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
+  Else
+    Point(p + 3) = {side * (upper_cx + upper_radius * turned_x), upper_cy + upper_radius * turned_y, 0};
+    Point(p + 4) = {side * upper_cx, upper_cy, 0};
+    angle = flank - touch;
+    Point(p + 5) = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
+    angle = flank - (upper_front + edge_zone) / upper_radius;
+    Point(p + 6) = {side * (upper_cx + upper_radius * Sin(angle)), upper_cy + upper_radius * Cos(angle), 0};
+  EndIf
   Point(upper_end + p) = {side * upper_x, upper_y, 0};
   angle = flank + Min(upper_inner, 0) / upper_radius;
   Point(upper_fine + p) = {side * (upper_cx + upper_radius * Sin(angle) + Max(upper_inner, 0) * tx),
@@ -279,9 +306,15 @@ For side In {1 : -1 : -2}
   Line(c)        = {axis_blade_top, p};
   Line(c + 1)    = {p, p + 1};
   Circle(c + 2)  = {p + 1, p + 2, p + 3};
-  Circle(c + 3)  = {p + 3, p + 4, p + 5};
-  Circle(c + 4)  = {p + 5, p + 4, p + 6};    // contact: upper rounding
-  Circle(c + 5)  = {p + 6, p + 4, p + 7};    //   fine
+  If (upper_on_disc)
+    Line(c + 3)  = {p + 3, p + 5};
+    Line(c + 4)  = {p + 5, p + 6};           // contact: opposite the upper rounding
+    Line(c + 5)  = {p + 6, p + 7};           //   fine
+  Else
+    Circle(c + 3) = {p + 3, p + 4, p + 5};
+    Circle(c + 4) = {p + 5, p + 4, p + 6};   // contact: upper rounding
+    Circle(c + 5) = {p + 6, p + 4, p + 7};   //   fine
+  EndIf
   If (upper_inner > 0)
     Line(c + 6)  = {p + 7, p + 8};           //   fine
   Else
@@ -321,11 +354,21 @@ For side In {1 : -1 : -2}
   Point(p + 7)  = {side * (lower_x + reach * tx), lower_y + reach * ty, 0};
   Point(p + 8)  = {side * (lower_x - lower_inner * tx), lower_y - lower_inner * ty, 0};
   Point(p + 9)  = {side * (upper_x + upper_inner * tx), upper_y + upper_inner * ty, 0};
-  reach = upper_front + edge_zone;
-  Point(p + 10) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
-  reach = upper_radius * Sin(touch);
-  Point(p + 11) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
-  Point(p + 12) = {side * mouth_x, mouth_y, 0};
+  If (upper_on_disc)
+    angle = flank + (upper_front + edge_zone) / upper_radius;
+    Point(p + 10) = {side * (mouth_cx - upper_radius * Sin(angle)), mouth_cy - upper_radius * Cos(angle), 0};
+    angle = flank + touch;
+    Point(p + 11) = {side * (mouth_cx - upper_radius * Sin(angle)), mouth_cy - upper_radius * Cos(angle), 0};
+    angle = (flank + touch + Pi / 2) / 2;
+    Point(p + 12) = {side * (mouth_cx - upper_radius * Sin(angle)), mouth_cy - upper_radius * Cos(angle), 0};
+    Point(p + 18) = {side * upper_x, upper_y, 0};
+  Else
+    reach = upper_front + edge_zone;
+    Point(p + 10) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
+    reach = upper_radius * Sin(touch);
+    Point(p + 11) = {side * (upper_x - reach * tx), upper_y - reach * ty, 0};
+    Point(p + 12) = {side * mouth_x, mouth_y, 0};
+  EndIf
   Point(p + 13) = {side * mouth_cx, mouth_cy, 0};
   Point(p + 14) = {side * mouth, mouth_cy, 0};
   Point(p + 15) = {side * mouth, disc_top, 0};
@@ -340,9 +383,18 @@ For side In {1 : -1 : -2}
   Line(c + 5)    = {p + 6, p + 7};           // contact: opposite the lower rounding
   Line(c + 6)    = {p + 7, p + 8};           //   fine
   Line(c + 7)    = {p + 8, p + 9};           //   opposite the flat
-  Line(c + 8)    = {p + 9, p + 10};          //   fine
-  Line(c + 9)    = {p + 10, p + 11};         // contact: opposite the upper rounding
-  Line(c + 10)   = {p + 11, p + 12};
+  more[] = {};
+  If (upper_on_disc)
+    more[] = {c + 16};
+    Line(c + 16)   = {p + 9, p + 18};        //   fine
+    Circle(c + 8)  = {p + 18, p + 13, p + 10}; // fine
+    Circle(c + 9)  = {p + 10, p + 13, p + 11}; // contact: upper rounding
+    Circle(c + 10) = {p + 11, p + 13, p + 12};
+  Else
+    Line(c + 8)    = {p + 9, p + 10};        //   fine
+    Line(c + 9)    = {p + 10, p + 11};       // contact: opposite the upper rounding
+    Line(c + 10)   = {p + 11, p + 12};
+  EndIf
   Circle(c + 11) = {p + 12, p + 13, p + 14};
   Line(c + 12)   = {p + 14, p + 15};
   Line(c + 13)   = {p + 15, p + 16};
@@ -353,16 +405,16 @@ For side In {1 : -1 : -2}
     Line(c + 15) = {p + 17, axis_disc};
   EndIf
   If (side > 0)
-    disc_right[] = {c : c + 15};
+    disc_right[] = {c : c + 15}; more_right[] = more[];
   Else
-    disc_left[] = {c : c + 15};
+    disc_left[] = {c : c + 15}; more_left[] = more[];
   EndIf
 EndFor
 
 Curve Loop(1) = {blade_right[], blade_axis}; Plane Surface(1) = {1};
 Curve Loop(2) = {blade_left[], blade_axis};  Plane Surface(2) = {2};
-Curve Loop(3) = {disc_right[], -disc_axis};  Plane Surface(3) = {3};
-Curve Loop(4) = {disc_left[], -disc_axis};   Plane Surface(4) = {4};
+Curve Loop(3) = {disc_right[], more_right[], -disc_axis};  Plane Surface(3) = {3};
+Curve Loop(4) = {disc_left[], more_left[], -disc_axis};   Plane Surface(4) = {4};
 mirror[] = {-1, 0, 0, 0,  0, 1, 0, 0,  0, 0, 1, 0,  0, 0, 0, 1};
 Periodic Surface {2} = {1} Affine {mirror[]};
 Periodic Surface {4} = {3} Affine {mirror[]};
@@ -372,8 +424,8 @@ Physical Surface("disc") = {3, 4};
 Physical Curve("blade_top") = {blade_right[0], blade_left[0]};
 Physical Curve("blade_flank_right") = {blade_right[{4 : 10}]};
 Physical Curve("blade_flank_left") = {blade_left[{4 : 10}]};
-Physical Curve("disc_flank_right") = {disc_right[{5 : 9}]};
-Physical Curve("disc_flank_left") = {disc_left[{5 : 9}]};
+Physical Curve("disc_flank_right") = {disc_right[{5 : 9}], more_right[]};
+Physical Curve("disc_flank_left") = {disc_left[{5 : 9}], more_left[]};
 Physical Curve("disc_side_right") = {disc_right[14]};
 Physical Curve("disc_side_left") = {disc_left[14]};
 Physical Curve("disc_bottom") = {disc_right[15], disc_left[15]};
@@ -382,11 +434,11 @@ Physical Curve("disc_bottom") = {disc_right[15], disc_left[15]};
 // Elements are not larger than the arcs beside them and the walls around them.
 Field[1] = Distance;
 Field[1].CurvesList = {blade_right[{fine[]}], blade_left[{fine[]}],
-                       disc_right[{6, 8}], disc_left[{6, 8}]};
+                       disc_right[{6, 8}], disc_left[{6, 8}], more_right[], more_left[]};
 Field[1].Sampling = 100;
 Field[2] = Distance;
 Field[2].CurvesList = {blade_right[{4 : 10}], blade_left[{4 : 10}],
-                       disc_right[{5 : 9}], disc_left[{5 : 9}]};
+                       disc_right[{5 : 9}], disc_left[{5 : 9}], more_right[], more_left[]};
 Field[2].Sampling = 200;
 Field[3] = Distance;
 Field[3].CurvesList = {blade_right[2], blade_left[2]};
@@ -400,7 +452,7 @@ contact_size = Sprintf("Min(%g + %g*F1, %g + %g*F2)", edge_size, growth, flank_s
 blade_size = Sprintf("Min(Min(%g + %g*F3, %g + %g*F4), %g)",
                      neck_fillet, growth, root_corner, growth, neck);
 disc_size = Sprintf("Min(Min(%g + %g*F5, %g + %g*F6), %g)",
-                    slot_fillet, growth, mouth_radius, growth,
+                    slot_fillet, growth, edge_radius, growth,
                     Min(beside, slot_bottom - disc_base));
 Field[7] = MathEval;
 Field[7].F = StrCat("Min(", contact_size, ",", blade_size, ")");

@@ -174,7 +174,7 @@ INFO_EXAMPLES = examples("fretfe info", "mpirun -n 2 fretfe info")
 
 
 def info() -> None:
-    """Show versions, MPI and the linear-algebra library in use, and why one cannot be used."""
+    """Show versions, MPI and linear algebra, and what cannot be used."""
     from fretfe.environment import loaded_libraries, reference_blas, versions
 
     first = rank_from_environment() == 0

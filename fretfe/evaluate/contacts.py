@@ -139,6 +139,8 @@ class SlipZone:
             and shear follow from its factors; NaN where that is not solved.
         local_spread: its error bar: by those of K_N and of the range, by the shape of the contact
             behind the edge, and by the elements of the plane problem.
+        unknown: whether nothing is known of the zone, but that there may be one: the coefficient
+            falls meanwhile, so that points slip though no factor changes.
     """
 
     start: int
@@ -155,17 +157,13 @@ class SlipZone:
     missed: float = field(default=0.0, kw_only=True)
     local: float = field(default=math.nan, kw_only=True)
     local_spread: float = field(default=math.nan, kw_only=True)
+    unknown: bool = field(default=False, kw_only=True)
 
     @classmethod
     def untold(cls, start: int, end: int) -> SlipZone:
         """A zone of which nothing is known, as where friction falls."""
         lost = math.nan
-        return cls(start, end, lost, lost, math.inf, False, False, lost, lost)
-
-    @property
-    def unknown(self) -> bool:
-        """True if nothing is known of the zone, but that there may be one."""
-        return math.isnan(self.length) and not self.gross
+        return cls(start, end, lost, lost, math.inf, False, False, lost, lost, unknown=True)
 
     @property
     def reported_length(self) -> float:

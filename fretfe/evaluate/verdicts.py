@@ -173,7 +173,8 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
     if math.isfinite(zone.reported_local):
         return _judge_local(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
-    lengths = [each.length for each in station.slip_zones[-2:] if each.length >= 0]
+    last = station.slip_zones[-2:]
+    lengths = [each.length for each in last if not (each.gross or each.unknown)]
     longest = max([*lengths, zone.length])
     error, vague = expected_error(station, longest), 0.5 * longest * station.stiffening_spread
     if math.isnan(error):

@@ -26,7 +26,7 @@ def test_ranks_are_started_by_the_mpirun_beside_python(tmp_path: Path, words: li
         patch.object(os, "execv", side_effect=SystemExit) as started,
     ):
         CliRunner().invoke(app, typed)
-    rest = ["-m", "fretfe", "run", "pad.toml", "-o", "out", "--set", "a.b=--ranks"]
+    rest = ["-P", "-m", "fretfe", "run", "pad.toml", "-o", "out", "--set", "a.b=--ranks"]
     started.assert_called_once_with(str(mpirun), [str(mpirun), "-n", "2", str(python), *rest])
 
 

@@ -100,7 +100,7 @@ NUMBERS = {
     "report": 103,
     "results": 5,
     "strength": 15,
-    "surface": 27,
+    "surface": 28,
     "sweeps": 6,
     "top": 18,
 }

@@ -174,7 +174,9 @@ def test_of_several_edges_that_is_named_which_needs_the_smallest_elements() -> N
         return replace(unknown, lack=lack, slip_zones=())
 
     found = headline(changed(lost))
-    assert "(main.right: " in found.worst and "make the elements there 8 times" in found.worst
+    assert (
+        "(main.right: " in found.worst and "make the elements there at least 8 times" in found.worst
+    )
 
 
 def test_a_worst_station_beside_an_end_names_it(tmp_path: Path) -> None:
