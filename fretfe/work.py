@@ -219,11 +219,18 @@ class Work:
 
     def step(self, number: int, count: int) -> None:
         """Note the last accepted step; the next one tells if that fails."""
-        self._mark |= {"step": number, "steps": count}
+        self._note_if_possible({"doing": "solving", "step": number, "steps": count})
+
+    def _note_if_possible(self, more: Mapping[str, Any]) -> None:
+        self._mark |= more
         try:
             write_mark(self.directory, self._mark)
         except OutputError:
             return
+
+    def evaluating(self) -> None:
+        """Note that all steps are solved."""
+        self._note_if_possible({"doing": "evaluating"})
 
     def numbers(self, result: Result) -> None:
         """Write the numbers of a result in place of those before, if they are not there."""
@@ -307,9 +314,11 @@ class StepNotes(Observer):
         self._observer = observer
         self._work = work
         self._next = 0.0
+        self._solved = False
 
     def step(self, number: int, count: int, text: str) -> None:
         """Note a step."""
+        self._solved = True
         begin = time.monotonic()
         if begin >= self._next:
             self._work.step(number, count)
@@ -326,7 +335,9 @@ class StepNotes(Observer):
         self._observer.announce(text)
 
     def doing(self, text: str) -> None:
-        """Pass it on."""
+        """Pass it on; after steps it is their evaluation."""
+        if self._solved:
+            self._work.evaluating()
         self._observer.doing(text)
 
     def stop(self) -> signal.Signals | None:

@@ -29,8 +29,9 @@ class StepReport(Observer):
     """Progress on rank 0: a bar on a terminal, elsewhere a line per step; nothing if quiet.
 
     Ctrl-C, SIGTERM and SIGHUP end the history after the step that is being solved, so that nothing
-    is lost that was computed; before the first step, or once more, they end the process. One that
-    the process ignores, as SIGHUP under `nohup`, does nothing.
+    is lost that was computed; before the first step and after the last one, whose states are kept,
+    or once more, they end the process. One that the process ignores, as SIGHUP under `nohup`, does
+    nothing.
 
     Args:
         rank: of this process.
@@ -81,7 +82,8 @@ class StepReport(Observer):
             print(f"step {number}/{count}: {text}", flush=True)
 
     def doing(self, text: str) -> None:
-        """Name what is being done."""
+        """Name what is being done: no step, for whose end a signal would have to wait."""
+        self._steps = 0
         if self._bar is not None and self._task is not None:
             self._bar.update(self._task, description=text)
         elif self._lines:

@@ -92,6 +92,13 @@ def test_a_second_signal_ends_the_process(capsys: pytest.CaptureFixture[str]) ->
         signal.raise_signal(signal.SIGINT)
 
 
+def test_a_signal_after_the_steps_ends_the_process() -> None:
+    with pytest.raises(KeyboardInterrupt), StepReport(0, Verbosity.QUIET) as report:
+        report.step(9, 9, "")
+        report.doing("edge factors")
+        signal.raise_signal(signal.SIGINT)
+
+
 def test_processes_without_steps_leave_a_signal_to_the_first() -> None:
     with StepReport(1, Verbosity.QUIET):
         signal.raise_signal(signal.SIGTERM)
