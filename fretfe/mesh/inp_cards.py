@@ -160,18 +160,25 @@ class _Files:
         return path
 
     def _lines(self, path: Path) -> Iterator[tuple[int, str]]:
-        """Lines with their number; no comments, no empty lines, keywords that go on in one line."""
-        keyword = ""
+        """Lines with their number; no comments, no empty lines, keywords that go on in one line.
+
+        A keyword that ends with a comma goes on in a line of parameters, whose names begin with
+        letters; before data, or another keyword, the comma means nothing.
+        """
+        keyword, begun = "", 0
         for number, line in enumerate(self._text(path).splitlines(), 1):
             line = line.strip()
             if not line or line.startswith("**"):
                 continue
-            line = keyword + line
-            keyword = line if line.startswith("*") and line.endswith(",") else ""
+            if keyword and not _parameters(line):
+                yield begun, keyword
+                keyword = ""
+            line, first = keyword + line, begun if keyword else number
+            keyword, begun = (line, first) if line.startswith("*") and line[-1] == "," else ("", 0)
             if not keyword:
-                yield number, line
+                yield first, line
         if keyword:
-            yield number, keyword
+            yield begun, keyword
 
     def _text(self, path: Path) -> str:
         require_file(path, "a mesh file", MeshError)
@@ -186,6 +193,11 @@ class _Files:
             return _decoded(path.read_bytes())
         except OSError as error:
             raise MeshError(f"{path}: cannot read the mesh file: {error.strerror}") from error
+
+
+def _parameters(line: str) -> bool:
+    """True if all items of a line begin as names of parameters do."""
+    return all(each.strip()[:1].isalpha() for each in line.rstrip(",").split(","))
 
 
 def _decoded(data: bytes) -> str:

@@ -359,7 +359,7 @@ BAD: dict[str, tuple[str, str, dict[str, float]]] = {
     "dovetail wall": (
         "dovetail",
         "overhang: .*would touch the side wall",
-        {"lower_radius": 9, "slot_fillet": 0.5},
+        {"lower_radius": 9, "slot_fillet": 0.5, "edge_size": 0.008},
     ),
     "firtree teeth": (
         "firtree",
