@@ -5,6 +5,10 @@ Models of vibrations have the elastic bodies already, stuck together. By recipro
 Δs moves a driven boundary by ∫ τ·Δs over the contact, with the tractions τ of full stick under a
 unit force on it; the rest of its displacement is that of the stuck bodies, exactly as long as the
 contact area stays.
+
+Tractions of full stick are singular at the edges, and discrete ones have these a part of an element
+away from those of the contact. By that alone slip would be wrong by 4 Δa/(u a) of it, u = Q/(f P).
+They are stretched to the edges of the contact.
 """
 
 from __future__ import annotations
@@ -19,6 +23,13 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.errors import OutputError
+from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.plane.full_stick_fit import (
+    GALERKIN_OVERHANG,
+    OVERHANG,
+    OVERHANG_UNCERTAINTY,
+    effective_edges,
+)
 from fretfe.files import replacing, writing
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.results.model import Result
@@ -40,9 +51,10 @@ class Loop:
         displacement: (n,) of the boundary along the force; NaN of half-planes, which have none.
         slip: (n,) part of it by slip in each contact since the first state, by name; NaN from where
             bodies part.
+        slip_farther: the same with the edges of the contact farther out by their error bars.
         work: friction work of all contacts in the cycle; NaN if other loads drive as well, or where
             it is unknown.
-        bar: of work and slip, over them; NaN where it is unknown.
+        bar: of work, over it; infinite where elements hide the slip.
     """
 
     driver: str
@@ -50,6 +62,7 @@ class Loop:
     force: Array
     displacement: Array
     slip: Mapping[str, Array]
+    slip_farther: Mapping[str, Array]
     work: float
     bar: float
 
@@ -74,8 +87,10 @@ class Loop:
 
     @property
     def slip_bar(self) -> float:
-        """Error bar of that."""
-        return self.bar * abs(self.slip_range)
+        """Error bar of that; infinite where elements hide the slip."""
+        if math.isinf(self.bar):
+            return math.inf
+        return sum(abs(self.swing(self.slip_farther[n] - each)) for n, each in self.slip.items())
 
     @property
     def stiffness(self) -> float:
@@ -93,7 +108,7 @@ class Loop:
 
         Infinite if nothing slips.
         """
-        if not self.bar < MOST_UNKNOWN:
+        if not self.slip_bar <= MOST_UNKNOWN * abs(self.slip_range):
             return math.nan
         return self.force_range / self.slip_range if self.slip_range else math.inf
 
@@ -119,8 +134,8 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
             "expected the states of the whole evaluated cycle, found those of a few: run the case "
             'with [output] tractions = "all"'
         )
-    for name, contact in result.case.contacts.items():
-        if contact.layer is not None and contact.layer.curve is not None:
+    for name, pair in result.case.contacts.items():
+        if pair.layer is not None and pair.layer.curve is not None:
             raise OutputError(
                 f"contacts.{name}.layer: expected a linear layer, found a curve of pressures, by "
                 "which bodies that are stuck together have no one stiffness"
@@ -138,8 +153,13 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
             "expected a platen or another boundary whose force varies in the evaluated cycle, "
             f"found none among {', '.join(solution.drivers) or 'no loads'}"
         )
-    slips = {each.name: _moved_by_slip(each, states) for each in solution.contacts}
     work, bar = _friction_work(result)
+    slips, farther = {}, {}
+    for contact, history in zip(result.contacts, solution.contacts, strict=True):
+        # Where no friction works slip is round-off.
+        slips[history.name], farther[history.name] = (
+            (work > 0) * each for each in _both_moved(result, contact, history, states, bar)
+        )
     alone = _loads_that_vary(solution, states) == len(varying) == 1
     # Half-planes move by any constant under a force.
     known = 1.0 if result.bodies else math.nan
@@ -149,8 +169,8 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
             times=solution.times[states],
             force=forces[:, number],
             displacement=known * solution.amplitudes[states, places[solution.drivers[number]]],
-            # Where no friction works slip is round-off.
-            slip={name: moved[:, number] * (work > 0) for name, moved in slips.items()},
+            slip={name: moved[:, number] for name, moved in slips.items()},
+            slip_farther={name: moved[:, number] for name, moved in farther.items()},
             work=thickness * work if alone and bar < MOST_UNKNOWN else math.nan,
             bar=bar,
         )
@@ -179,24 +199,81 @@ def _loads_that_vary(solution: Solution, states: Indices) -> int:
     return int(np.sum(np.ptp(values, axis=0) > DRIVES * np.abs(values).max(axis=0)))
 
 
-def _moved_by_slip(contact: ContactHistory, states: Indices) -> Array:
+def _both_moved(
+    result: Result, contact: Contact, history: ContactHistory, states: Indices, bar: float
+) -> tuple[Array, Array]:
+    """Displacements as of `_moved_by_slip`, and with the edges farther out by their error bars.
+
+    Where no edge is fitted, the singularity is where the elements have it, give or take one of
+    them; as well with a layer, which has none. Nothing is stretched on solids; their bar is that of
+    the work.
+    """
+    arc = history.surface.arc
+    if contact.solid:
+        moved = _moved_by_slip(history, states)
+        return moved, moved * (1 + bar if math.isfinite(bar) else math.nan)
+    overhang = OVERHANG[result.solution.degree] if result.bodies else GALERKIN_OVERHANG
+    edges, next_ones = (_discrete_edges(history, states, overhang + more) for more in (0.0, 1.0))
+    position, spread = (
+        np.array([getattr(each, name)[states] for each in contact.stations]).T
+        for name in ("position", "position_spread")
+    )
+    fitted = np.isfinite(position) & (history.surface.layer is None)
+    true = np.where(fitted, position, edges)
+    outward = np.where(fitted, OVERHANG_UNCERTAINTY, 1.0) * (next_ones - edges)
+    outward += np.where(fitted, spread, 0.0) * [-1.0, 1.0]
+
+    def moved_to(ends: Array) -> Array:
+        stretch = np.diff(ends) / np.diff(edges)
+        places = ends[:, :1] + (arc - edges[:, :1]) * stretch
+        places = np.clip(places, ends[:, :1], ends[:, 1:])  # a corner is in contact
+        return _moved_by_slip(history, states, np.where(np.isnan(places), arc, places), ends)
+
+    return moved_to(true), moved_to(true + outward)
+
+
+def _discrete_edges(history: ContactHistory, states: Indices, overhang: float) -> Array:
+    """(n, 2) edges that tractions of full stick have in n states; NaN without such tractions."""
+    edges, areas = np.full((len(states), 2), np.nan), history.full_stick.area[states]
+    for area in np.unique(areas[areas >= 0]):
+        fields = history.full_stick.fields[int(area)].transpose(1, 2, 0)
+        if fields.any():
+            edges[areas == area] = effective_edges(history.surface.arc, fields, overhang)
+    return edges
+
+
+def _moved_by_slip(
+    contact: ContactHistory, states: Indices, places: Array | None = None, ends: Array | None = None
+) -> Array:
     """(n, J) displacement of each driver by the slip in a contact since the first of n states.
 
-    Where the contact area changes within a step the tractions are the mean of both, and nodes that
-    touch at both of its ends slip. NaN from where nothing is left that sticks the bodies together.
+    Where the contact area changes within a step it is the mean with the tractions of both, and
+    what touches at both of its ends slips. NaN from where nothing is left that sticks the bodies
+    together.
+
+    Args:
+        contact: the contact.
+        states: (n,) successive ones.
+        places: (n, N) along the arc, where the tractions of full stick of the nodes act; None at
+            the nodes.
+        ends: (n, 2) of the contact there.
     """
-    weights = contact.surface.weights
+    arc, weights = contact.surface.arc, contact.surface.weights
     moved = np.zeros((len(states), contact.full_stick.fields.shape[-1]))
     for number in range(1, len(states)):
         before, after = int(states[number - 1]), int(states[number])
-        areas = contact.full_stick.area[[before, after]]
-        if areas.min() < 0:
+        if contact.full_stick.area[[before, after]].min() < 0:
             moved[number] = math.nan
             continue
-        tractions = np.mean([contact.full_stick.fields[area] for area in areas], axis=0)[:, 1:]
         touches = (contact.status[before] != OPEN) & (contact.status[after] != OPEN)
-        slip = contact.slip[after] - contact.slip[before]
-        moved[number] = np.einsum("n,ncj,nc->j", weights * touches, tractions, slip)
+        slip = at = contact.slip[after] - contact.slip[before]
+        for end in (number - 1, number):
+            tractions = contact.full_stick.fields[int(contact.full_stick.area[states[end]])][:, 1:]
+            if places is not None and ends is not None:
+                at = np.column_stack([np.interp(places[end], arc, each) for each in slip.T])
+                first, last = ends[number - 1 : number + 1].T
+                touches = (places[end] >= first.max()) & (places[end] <= last.min())
+            moved[number] += np.einsum("n,ncj,nc->j", weights * touches, tractions, at) / 2
     return np.cumsum(moved, axis=0)
 
 

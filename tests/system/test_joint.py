@@ -32,7 +32,8 @@ def test_without_slip_the_boundary_moves_as_the_stuck_bodies_do(sheared: Loop) -
     assert sheared.driver == "shear"
     stuck = sheared.displacement - sheared.displacement[0] - sheared.slip["main"]
     force = sheared.force - sheared.force[0]
-    assert np.abs(stuck - force / sheared.stuck_stiffness).max() < 1e-12 * np.abs(stuck).max()
+    # The singularity is moved by a part of an element: 3e-6.
+    assert np.abs(stuck - force / sheared.stuck_stiffness).max() < 1e-5 * np.abs(stuck).max()
 
 
 def test_slip_does_the_friction_work(sheared: Loop) -> None:
@@ -40,7 +41,8 @@ def test_slip_does_the_friction_work(sheared: Loop) -> None:
         float(np.trapezoid(sheared.force, each))
         for each in (sheared.slip["main"], sheared.displacement)
     )
-    assert by_slip == pytest.approx(whole, rel=1e-9)
+    # The same: 6e-5.
+    assert by_slip == pytest.approx(whole, rel=2e-4)
     assert sheared.work == pytest.approx(whole, rel=0.02)
     size = np.pi * sheared.force_range * sheared.displacement_range
     assert sheared.loss_factor == pytest.approx(4 * sheared.work / size, rel=1e-12)
@@ -51,11 +53,14 @@ def test_stiffnesses_are_in_series(sheared: Loop) -> None:
     assert 1 / sheared.stiffness == pytest.approx(parts, rel=1e-12)
 
 
-def test_bars_hold_the_slip_of_half_planes(sheared: Loop) -> None:
+@pytest.mark.parametrize("size", [0.02, 0.01, 0.008])
+def test_slip_is_that_of_half_planes_wherever_nodes_are(size: float) -> None:
     """Slip as of Cattaneo and Mindlin: 2 f P/(pi E*) ((1 - u) ln(1 - u) + u) with u = Q/(f P)."""
-    left, modulus = 1 - 120 / 240, 210e3 / (2 * (1 - 0.3**2))
+    found = loop(80.0, size)
+    left, modulus = 1 - 80 / 240, 210e3 / (2 * (1 - 0.3**2))
     exact = 2 * 240 / (np.pi * modulus) * (left * np.log(left) + 1 - left)
-    assert abs(sheared.slip_range - exact) < sheared.slip_bar < 0.3 * exact
+    # Bodies of 12 mm make it .4 % less, with any elements.
+    assert abs(found.slip_range - 0.9956 * exact) < found.slip_bar < 0.04 * exact
 
 
 def test_slip_that_elements_hide_is_unknown() -> None:
