@@ -187,7 +187,10 @@ For i In {0 : last}
   angle = (Pi / 2 - flank) * i / 50;
   gap = Min(gap, neck_fillet - edge_radius - (neck_cx - mouth_cx) * Cos(angle) - (neck_cy - mouth_cy) * Sin(angle));
 EndFor
-If (gap < apart)
+If (gap < apart && upper_on_disc)
+  Error("upper_radius: the rounding of the disc would touch the fillet of the neck: expected a gap of at least %.3g, found %.3g; a smaller upper_radius, or a larger overhang or neck_fillet helps", apart, gap); wrong = 1;
+EndIf
+If (gap < apart && !upper_on_disc)
   Error("neck_width: the neck with its fillets does not pass through the mouth of the slot, which is %.6g wide: expected a gap of at least %.3g, found %.3g (neck_width %g); a smaller overhang or mouth_radius or a larger neck_fillet helps", 2 * mouth, apart, gap, neck_width); wrong = 1;
 EndIf
 most = 0.9 * root;

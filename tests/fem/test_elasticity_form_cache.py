@@ -19,8 +19,10 @@ from fretfe.fem.elasticity import FOLDER, LOCK, compiled
 
 @pytest.fixture(name="folder")
 def _folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    monkeypatch.setattr(form_cache, "get_options", lambda: {"cache_dir": tmp_path})
-    return tmp_path / FOLDER
+    monkeypatch.setattr(form_cache, "cache_folder", lambda: tmp_path)
+    folder = tmp_path / FOLDER
+    folder.parent.mkdir(exist_ok=True)
+    return folder
 
 
 def area(factor: float = 1.0) -> Any:

@@ -16,7 +16,7 @@ from fretfe.errors import MeshError
 from fretfe.mesh.elements import directed_facets, exterior_facets, jacobian_determinants
 from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.inp import read_deck
-from fretfe.mesh.inp_cards import included_files
+from fretfe.mesh.inp_cards import cards, included_files
 from fretfe.mesh.inp_groups import read_inp
 from fretfe.mesh.inp_outline import outline
 from fretfe.mesh.split import mesh_from_raw
@@ -140,6 +140,28 @@ def test_shells_on_solids_stand_for_their_facets(tmp_path: Path, side: str) -> N
     raw = read_inp(tmp_path / "cube.inp", {"cube": STEEL}, ["top"], ({}, {}))
     (found,) = raw.boundaries["top"]
     assert sorted(found.nodes[0]) == [4, 5, 6, 7] and raw.notes == ()
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("*FRICTION,\n0.4,\n*STATIC\n", [("FRICTION", {}), ("STATIC", {})]),
+        (
+            "*SOLID SECTION, ELSET=UP,\n*STATIC\n",
+            [("SOLIDSECTION", {"ELSET": "UP"}), ("STATIC", {})],
+        ),
+        ("*BOUNDARY,\nLBOT, 1, 2\n", [("BOUNDARY", {})]),
+        ("*NSET, NSET=A,\nGENERATE\n1, 3, 1\n", [("NSET", {"NSET": "A", "GENERATE": ""})]),
+    ],
+    ids=["data", "keyword", "set", "parameter"],
+)
+def test_a_comma_behind_a_keyword_takes_parameters_only(
+    tmp_path: Path, text: str, expected: list[tuple[str, dict[str, str]]]
+) -> None:
+    (tmp_path / "deck.inp").write_text(text)
+    found = list(cards(tmp_path / "deck.inp"))
+    assert [(each.word, dict(each.parameters)) for each in found] == expected
+    assert found[0].place.endswith("line 1")
 
 
 def test_included_rows_go_on_with_the_keyword_before_them(tmp_path: Path) -> None:

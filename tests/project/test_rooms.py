@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1595,
     "contact": 2287,
     "decision": 2006,
-    "evaluate": 8300,
+    "evaluate": 8294,
     "exchange": 2120,
     "fem": 4195,
     "fields": 1242,
@@ -47,7 +47,7 @@ ROOM_LINES = {
     "strength": 920,
     "surface": 1200,
     "sweeps": 639,
-    "top": 1612,
+    "top": 1618,
 }
 SLACK = 1.05
 LONGEST = 500
@@ -100,7 +100,7 @@ NUMBERS = {
     "report": 103,
     "results": 5,
     "strength": 15,
-    "surface": 28,
+    "surface": 27,
     "sweeps": 6,
     "top": 18,
 }

@@ -43,6 +43,14 @@ BROKEN: dict[tuple[str, str], tuple[dict[str, float], str]] = {
         {"upper_front": 3},
         "upper_front: expected at most",
     ),
+    ("dovetail", "fine_zone_begins_on_the_flat_of_the_disc"): (
+        {"upper_on_disc": 1, "upper_front": 0.26, "edge_zone": 0.25},
+        "upper_front: expected at most 0.247 with upper_on_disc",
+    ),
+    ("dovetail", "rounding_of_the_disc_clears_the_neck"): (
+        {"upper_on_disc": 1, "upper_radius": 8},
+        "upper_radius: the rounding of the disc would touch the fillet",
+    ),
     ("dovetail", "lower_front_fits"): (
         {"lower_front": 3},
         "lower_front: expected at most",

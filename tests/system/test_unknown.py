@@ -46,7 +46,7 @@ def test_factors_of_few_elements_are_unknown_or_right(coarse: Result) -> None:
             assert abs(station.k_t_range - EXACT_RANGE) <= station.k_range_spread
         if math.isnan(station.k_n[-1]):
             texts = texts_of(contact, station)
-            assert any("wanted at least: make the elements" in text for text in texts)
+            assert any("are wanted: make the elements at least" in text for text in texts)
         else:
             assert abs(station.k_n[-1] - EXACT_K_N) <= station.k_n_spread[-1]
             assert any("K_N" in text for text in texts_of(contact, station))

@@ -517,7 +517,10 @@ def test_corner_nodes_alone_are_no_facet_of_order_2(tmp_path: Path) -> None:
         (lambda text: "", "with nodes and elements, found 0 nodes and 0 elements"),
         (lambda text: "hello world\n" * 9, "line 1: expected a keyword"),
         (lambda text: text[: len(text) // 2], "pad.inp"),
-        (lambda text: text[: text.index("16, 13")], "element 4 of type CPS4I: expected 4 nodes, found 2"),
+        (
+            lambda text: text[: text.index("16, 13")],
+            "element 4 of type CPS4I: expected 4 nodes, found 2",
+        ),
         (lambda text: "*INCLUDE, INPUT=none.inc", "none.inc: expected a mesh file, found nothing"),
     ],
 )
