@@ -178,8 +178,7 @@ def whole_keyword(word: str) -> str:
             f"expected a keyword, found *{word}, with which {', '.join(found)} begin: write it out"
         )
     if not found and word not in _ALIKE:
-        mixed = [each for each in KEYWORDS if sorted(each) == sorted(word)]
-        if near := mixed or get_close_matches(word, KEYWORDS, n=1, cutoff=0.75):
+        if near := _meant(word, KEYWORDS):
             raise ValueError(f"unknown keyword; did you mean *{near[0]}?")
     return found[0] if found else word
 
@@ -188,12 +187,17 @@ def whole_parameter(word: str, parameter: str) -> str:
     """The parameter of a keyword, both squeezed, that an abbreviation stands for.
 
     Raises:
-        ValueError: several begin so, or it is not among all that the keyword has.
+        ValueError: several begin so, it is not among all that the keyword has, or a known one
+            misspelt.
     """
     known = PARAMETERS.get(word, OPEN_PARAMETERS.get(word))
     found = _beginning(parameter, known or ())
-    if len(found) == 1 or known is None or (not found and word in OPEN_PARAMETERS):
+    if known is None or len(found) == 1:
         return found[0] if found else parameter
+    if not found and word in OPEN_PARAMETERS:
+        if not (near := _meant(parameter, known)):
+            return parameter
+        raise ValueError(f"unknown parameter {parameter}; did you mean {near[0]}?")
     raise ValueError(
         f"expected parameters {', '.join(known) or '(none)'}, found {parameter}"
         + (f", with which {' and '.join(found)} begin" if found else "")
@@ -211,6 +215,12 @@ def whole_value(value: str, choices: Iterable[str]) -> str:
     if len(found) > 1:
         raise ValueError(f"found {value}, with which {' and '.join(found)} begin: write it out")
     return found[0] if found else value
+
+
+def _meant(word: str, known: tuple[str, ...]) -> list[str]:
+    """The known words that are like a misspelt one, the nearest first."""
+    mixed = [each for each in known if sorted(each) == sorted(word)]
+    return mixed or get_close_matches(word, known, n=1, cutoff=0.75)
 
 
 def _beginning(word: str, known: Iterable[str]) -> list[str]:

@@ -164,6 +164,18 @@ def test_a_comma_behind_a_keyword_takes_parameters_only(
     assert found[0].place.endswith("line 1")
 
 
+@pytest.mark.parametrize(
+    ("card", "meant"),
+    [("BOUNDARY, AMPLTUDE=A", "AMPLITUDE"), ("ELASTIC, TPYE=ORTHO", "TYPE")],
+)
+def test_misspelt_parameters_are_refused_where_others_are_not(
+    tmp_path: Path, card: str, meant: str
+) -> None:
+    (tmp_path / "deck.inp").write_text(f"*{card}\n1, 2\n*{card.split(',')[0]}, FOO=1\n1, 2\n")
+    with pytest.raises(MeshError, match=rf"line 1: .*unknown parameter .*did you mean {meant}\?"):
+        list(cards(tmp_path / "deck.inp"))
+
+
 def test_included_rows_go_on_with_the_keyword_before_them(tmp_path: Path) -> None:
     (tmp_path / "mesh").mkdir()
     (tmp_path / "mesh" / "nodes.txt").write_text(NODES)
