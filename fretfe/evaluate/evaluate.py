@@ -177,8 +177,8 @@ def _sliding(solution: Solution, found: dict[str, Any], share: float) -> dict[st
     if share == 0:
         return found
     start, end = solution.cycle or (0, len(solution.times) - 1)
-    unknown = dict.fromkeys(("length", "border", "predicted", "predicted_loop"), np.nan)
-    whole = SlipZone(start=start, end=end, spread=np.inf, resolved=True, gross=True, **unknown)
+    nan = np.nan
+    whole = SlipZone(start, end, nan, nan, np.inf, True, True, predicted=nan, predicted_loop=nan)
 
     def sliding(station: Station) -> Station:
         told = station.slip_zones or station.no_edge

@@ -6,6 +6,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -407,7 +408,8 @@ def test_nothing_is_told_of_a_contact_of_few_nodes_or_of_a_flat_end() -> None:
 
 
 def zone(**values: float) -> SlipZone:
-    numbers = {"length": 0.05, "spread": 0.002, "predicted": 0.05, "predicted_loop": 0.05, **values}
+    numbers: dict[str, Any] = {"length": 0.05, "spread": 0.002, "predicted": 0.05}
+    numbers |= {"predicted_loop": 0.05, **values}
     return SlipZone(start=0, end=1, border=0.0, resolved=True, gross=False, **numbers)
 
 
