@@ -152,4 +152,4 @@ def test_cycle_returns_at_once_if_slip_is_parallel_to_the_load(
     assert changes(history).max() < 3e-8
     # After half a cycle shear is the opposite.
     half = history[RISE + STEPS // 2, :, 1:] + history[RISE, :, 1:]
-    assert np.abs(half).max() < 3e-8
+    assert np.abs(half).max() < 1e-7
