@@ -29,7 +29,11 @@ from fretfe.mesh.templates import Template, find_template
 
 COARSE = {"edge_size": 0.05, "edge_zone": 0.15, "flank_size": 0.3, "growth": 0.3}
 COARSE_CYLINDER = COARSE_WEDGE = {"size": 0.05, "growth": 0.3}
-COARSE_FIRTREE = {"edge_size": 0.03, "flank_size": 0.2, "growth": 0.3}
+# With the radii that the numbers of the tests below are of.
+COARSE_FIRTREE = {
+    **{"edge_size": 0.03, "flank_size": 0.2, "growth": 0.3},
+    **{"upper_radius": 1.2, "lower_radius": 1.2},
+}
 COARSE_PUNCH = {"edge_size": 0.02, "flat_size": 0.1, "growth": 0.3}
 PUNCH_GROUPS = {
     "upper": {"upper_contact", "upper_top"},
