@@ -507,6 +507,7 @@ def stepped_firtree() -> Mesh:
 def lobe_frame(points: NDArray[np.float64], lobe: int, side: int) -> NDArray[np.float64]:
     """Position along the flank of a lobe, downwards from its middle, and height above its flat."""
     default = {each.name: each.default for each in find_template("firtree").parameters}
+    default |= COARSE_FIRTREE
     angle, relief, wedge_angle = (
         math.radians(default[f"{name}_angle"]) for name in ("flank", "relief", "wedge")
     )
