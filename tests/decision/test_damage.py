@@ -13,7 +13,7 @@ import pytest
 from cases.pad_cases import HOLD, TOP, pad, press
 from cases.stored_runs import solved
 from decision.test_field import field_of
-from decision.test_material import write
+from decision.test_material import WALKER, write
 from scipy.optimize import brentq
 
 from fretfe.backends import RunOptions
@@ -113,8 +113,9 @@ def mission(turns: list[float]) -> Result:
 def test_a_mission_of_half_planes(tmp_path: Path) -> None:
     """Smaller cycles, which the states through the worst one leave out, once and again."""
     low = {**TABLE, "amplitudes": (AMPLITUDES / 3).tolist()}
-    # The limit of the other data is beyond this table.
-    path = write(tmp_path, life=low, limit={"range": 60.0, "ratio": -1.0}, torsion=None)
+    # The limit of the other data is beyond this table; the critical distance stays that of them.
+    limit, threshold = {"range": 60.0, "ratio": -1.0}, {**WALKER, "range": 0.5}
+    path = write(tmp_path, life=low, limit=limit, threshold=threshold, torsion=None)
     forces = [120.0, -120.0, 120.0, 40.0, 110.0, 0.0, 120.0]
     one, more = (assess(mission(each), path) for each in (forces, [*forces, *forces[-4:]]))
     for edge, other in zip(one.edges, more.edges, strict=True):
