@@ -1,22 +1,27 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Forces and moments of the loads about what nothing carries, before anything is condensed.
+"""Loads that supports carry themselves, and forces and moments that nothing carries.
 
 Bodies move as supports, platens, sides of sectors and contacts let them: with friction as if a
-contact stuck, without as if it only slid. Loads must do no work in a motion that is left.
+contact stuck, without as if it only slid. Loads must do no work in a motion that is left, and each
+some work in those of its boundary.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+from itertools import compress, product
 
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.bodies.definition import BodyDefinition, define_model
-from fretfe.bodies.loads.spread import SpreadLoad, SurfaceTraction
+from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
+from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.bodies.rigid_modes import (
     TURNING,
+    Freedom,
     RigidMotions,
+    Seat,
     free_motions,
     in_words,
     joined,
@@ -25,98 +30,157 @@ from fretfe.bodies.rigid_modes import (
 from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
 from fretfe.loads import History
-from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.report.texts import rounded
-from fretfe.surface.overlap import GAUSS_POINTS
-from fretfe.surface.surface import Surface, boundary_surface, build_surface
+from fretfe.surface.surface import boundary_surface, build_surface
 
 # Work over that of the sizes of the forces, below which it is an error of the integration, or of
 # numbers typed in.
 NO_WORK = 1e-4
 
+# Groups of bodies that move as one.
+Groups = Sequence[Sequence[BodyDefinition]]
+
 
 def require_carried(case: Case, mesh: Mesh, history: History) -> None:
-    """Check that loads do not push or turn bodies where nothing resists.
+    """Check that loads act on bodies, and do not push or turn them where nothing resists.
 
     Raises:
-        CaseError: names the loads, what they move and by which force or torque.
+        CaseError: names the loads, and what holds their boundary, or what they move and by which
+            force or torque.
     """
+    loaded = _Loaded(case, mesh, history, define_model(case, mesh))
+    loaded.require_felt()
     if not case.symmetry and all(each.rough for each in case.contacts.values()):
         return  # what only friction holds may be held
-    definition, thickness = define_model(case, mesh), case.model.thickness
-    values = dict(zip(history.channels, history.values.T, strict=True))
-    for bodies in joined(case, definition, rough=True):
-        sector = any(each.tie is not None for each in bodies)
-        # In sectors forces on volumes are about the axis, or along it.
-        if not sector and any(load.pushes for load in definition.loads):
-            continue
-        free = free_motions(bodies, mesh, _seats(case, mesh, bodies))
-        works = {name: np.outer(values[name], own) for name, own in free.platens.items()}
-        for load in definition.loads:
-            amplitudes = load.amplitudes(values[load.channel]) * (1 if load.total else thickness)
-            works[load.label] = np.outer(amplitudes, _work(load, free, bodies, mesh))
-        every = np.array([*works.values()]) / thickness
+    groups = joined(case, loaded.definition, rough=True)
+    alone = [[group] for group in groups]
+    # What a group slides on may be free to go with it.
+    for moving in (*alone, groups) if len(groups) > 1 else alone:
+        loaded.require_balance(moving)
+
+
+@dataclass(frozen=True)
+class _Loaded:
+    """Bodies with their loads."""
+
+    case: Case
+    mesh: Mesh
+    history: History
+    definition: ModelDefinition
+
+    def require_felt(self) -> None:
+        """Check that loads act on more than what holds, or moves, every node of their boundary.
+
+        Raises:
+            CaseError: names a load that does not, and what holds there.
+        """
+        loads = [(each.channel, each.traction) for each in self.definition.loads]
+        for body, (name, given) in product(self.definition.bodies, loads):
+            own = self.mesh.bodies[body.name]
+            if given is None or given.boundary not in own.boundaries:
+                continue
+            places, forces = replace(given, even=False, factors=None).forces(
+                boundary_surface(own, given.boundary)
+            )
+            for held, coordinate in zip(body.constraints, body.coordinates, strict=True):
+                nodes = own.boundaries[given.boundary], own.boundaries[held.boundary]
+                if coordinate.control == "force" or held.overlap or not np.isin(*nodes).all():
+                    continue
+                along = held.along(places)[:, : forces.shape[1]]
+                carried = np.abs(np.einsum("nc,nc->n", along, forces)).sum()
+                size = np.linalg.norm(forces, axis=1).sum()
+                # Directions about an axis turn along the boundary: what they leave may be meant.
+                least = NO_WORK if held.around is None else 1 - NO_WORK
+                if held.shape is not None or carried > least * size:
+                    text = (
+                        "expected a boundary that can move along its load, found "
+                        f"{given.boundary!r}, whose nodes {held.label!r} holds or moves: let them "
+                        "go there, or load another one"
+                    )
+                    raise CaseError(complaint(self.case.source, ("loads", name, "boundary"), text))
+
+    def require_balance(self, groups: Groups) -> None:
+        """Check that loads do no work in free motions of groups of bodies.
+
+        Raises:
+            CaseError: names the loads that do, the one with the most of it first, and the motion.
+        """
+        free = free_motions(groups, self.mesh, self._seats(groups))
+        works = dict(self._works(groups, free))
+        every = np.array([*works.values()]) / self.case.model.thickness
         total = every.sum(axis=0)
         excess = np.linalg.norm(np.atleast_2d(total), axis=1)
         worst = int(np.argmax(excess))
-        if excess[worst] > NO_WORK * np.abs(every).max(initial=0.0):
-            names = [name for name, own in works.items() if own[worst].any()]
-            remedy = 'a support with fix = ["tangential"]' if sector else "a support, or friction,"
-            others = "".join(f" (with loads.{name})" for name in names[1:])
-            found = _in_words(case, free, total[worst], bodies)
-            text = f"expected {remedy} that carries {found}{others}"
-            raise CaseError(complaint(case.source, ("loads", names[0]), text))
+        if excess[worst] <= NO_WORK * np.abs(every).max(initial=0.0):
+            return
+        shares = np.abs(every[:, worst] @ total[worst]) / excess[worst] ** 2
+        names = sorted(compress(works, shares > NO_WORK), key=[*works].index)
+        remedy = "a support, or friction,"
+        if any(body.tie is not None for group in groups for body in group):
+            remedy = 'a support with fix = ["tangential"]'
+        others = "".join(f" (with loads.{name})" for name in names[1:])
+        found = _in_words(self.case, free, total[worst], groups)
+        text = f"expected {remedy} that carries {found}{others}"
+        raise CaseError(complaint(self.case.source, ("loads", names[0]), text))
+
+    def _seats(self, groups: Groups) -> list[Seat]:
+        """The flatter surface of each contact without friction of groups of bodies."""
+        owner = {name: body for body in self.mesh.bodies.values() for name in body.boundaries}
+        own = {name for group in groups for body in group for name in body.surfaces}
+        pairs = [(c.surface1, c.surface2) for c in self.case.contacts.values() if not c.rough]
+        found = []
+        for pair in (each for each in pairs if own & {*each}):
+            one, other = (build_surface(owner[name], name) for name in pair)
+            flatter = min(one, other, key=lambda each: np.ptp(each.normals, axis=(0, 1)).max())
+            found.append(Seat(flatter, (one.body, other.body)))
+        return found
+
+    def _works(self, groups: Groups, free: Freedom) -> Iterator[tuple[str, Array]]:
+        """Names of loads, and their work (T, k) in free motions of groups of bodies."""
+        values = dict(zip(self.history.channels, self.history.values.T, strict=True))
+        for name, own in free.platens.items():
+            yield name, np.outer(values[name], own)
+        for load in self.definition.loads:
+            amplitudes = load.amplitudes(values[load.channel])
+            unit = 1 if load.total else self.case.model.thickness
+            yield load.label, unit * np.outer(amplitudes, self._work(load, groups, free))
+
+    def _work(self, load: SpreadLoad, groups: Groups, free: Freedom) -> Array:
+        """(k,) work of a unit of a load in free motions of groups of bodies."""
+        work, size = np.zeros(free.count), np.zeros(free.count)
+        for group, own in zip(groups, np.split(free.motions, len(groups)), strict=True):
+            for body, mesh in ((each, self.mesh.bodies[each.name]) for each in group):
+                for places, forces in _acting(load, body, mesh):
+                    motions = rigid_motions((places - free.centre) / free.size, body.components)
+                    moved = motions[:, : forces.shape[1]] @ own
+                    work += np.einsum("nc,nck->k", forces, moved)
+                    size += np.linalg.norm(forces, axis=1) @ np.linalg.norm(moved, axis=1)
+        return np.where(np.abs(work) < NO_WORK * size, 0.0, work)
 
 
-def _seats(case: Case, mesh: Mesh, bodies: Sequence[BodyDefinition]) -> list[Surface]:
-    """The flatter surface of each contact without friction of some bodies."""
-    own = {name for body in bodies for name in body.surfaces}
-    owner = {name: body for body in mesh.bodies.values() for name in body.boundaries}
-    pairs = [(c.surface1, c.surface2) for c in case.contacts.values() if not c.rough]
-    seats = ([build_surface(owner[name], name) for name in pair] for pair in pairs if own & {*pair})
-    return [min(each, key=lambda one: np.ptp(one.normals, axis=(0, 1)).max()) for each in seats]
+def _acting(
+    load: SpreadLoad, body: BodyDefinition, mesh: BodyMesh
+) -> Iterator[tuple[Array, Array]]:
+    """Places (n, d) and forces (n, c) of a unit of a load on a body."""
+    given = load.traction
+    if given is not None and given.boundary in mesh.boundaries:
+        yield given.forces(boundary_surface(mesh, given.boundary))
+    if load.pushes:
+        places, volumes = mesh.volumes()
+        yield places, load.body_force(body.material, places) * volumes[:, None]
 
 
-def _work(
-    load: SpreadLoad, free: RigidMotions, bodies: Sequence[BodyDefinition], mesh: Mesh
-) -> Array:
-    """(k,) work of a unit of a load in free motions of bodies that move as one."""
-    given, work = load.traction, np.zeros(free.count)
-    for body in (mesh.bodies[each.name] for each in bodies):
-        if given is not None and given.boundary in body.boundaries:
-            places, forces = _forces(given, boundary_surface(body, given.boundary))
-            motions = rigid_motions((places - free.centre) / free.size, bodies[0].components)
-            moved = motions[:, : forces.shape[1]] @ free.motions
-            work = np.einsum("nc,nck->k", forces, moved)
-            size = np.linalg.norm(forces, axis=1) @ np.linalg.norm(moved, axis=1)
-            work[np.abs(work) < NO_WORK * size] = 0.0
-    return work
-
-
-def _forces(given: SurfaceTraction, surface: Surface) -> tuple[Array, Array]:
-    """Places (n, d) and forces (n, c) of a traction."""
-    places, vectors = surface.integration_points(GAUSS_POINTS)
-    areas = np.linalg.norm(vectors, axis=1)
-    if given.even:
-        if given.radius:
-            away = places - np.array(given.centre[: surface.dimension])
-            areas = areas * (np.linalg.norm(away, axis=1) < given.radius)
-        through = given.through[: surface.dimension] or areas @ places / areas.sum()
-        return np.array([through]), np.array([given.direction])
-    forces = np.outer(areas, given.direction) if given.direction else vectors
-    return places, forces if given.factors is None else forces * given.factors.at(places)[:, None]
-
-
-def _in_words(case: Case, free: RigidMotions, work: Array, bodies: Sequence[BodyDefinition]) -> str:
-    """The force or torque that does some work (k,) in free motions of bodies, and the motion."""
+def _in_words(case: Case, free: Freedom, work: Array, groups: Groups) -> str:
+    """The force or torque that does some work (k,) in free motions of groups, and the motion."""
     size, plane = float(np.linalg.norm(work)), len(free.centre) == 2
-    motion = free.motions @ work / size
-    moves, turns = np.split(motion, [-1 if plane else -3])
-    turn, units = float(np.linalg.norm(turns)) / free.size, case.units
-    carried = f"a force of {rounded(size / float(np.linalg.norm(moves)))} {units.force}"
-    if turn * free.size > TURNING:
-        carried = f"a torque of {rounded(size / turn)} {units.force}·{units.length}"
-    carried += f"/{units.length}" * plane
-    names = " and ".join(repr(each.name) for each in bodies)
-    free = RigidMotions(motion[:, None], free.centre, free.size)
-    return f"{carried}, or other loads that balance it, found {names} free {in_words(free)}"
+    motions = np.split(free.motions @ work / size, len(groups))
+    motion = max(motions, key=lambda each: float(np.linalg.norm(each)))
+    moves, turns = (np.linalg.norm(each) for each in np.split(motion, [-1 if plane else -3]))
+    amount, unit = size / moves if turns <= TURNING else size / turns * free.size, case.units.force
+    kind, unit = ("force", unit) if turns <= TURNING else ("torque", f"{unit}·{case.units.length}")
+    carried = f"a {kind} of {rounded(float(amount))} {unit}" + f"/{case.units.length}" * plane
+    alike = [np.allclose(each, motion, atol=TURNING) for each in motions]
+    names = " and ".join(repr(body.name) for group in compress(groups, alike) for body in group)
+    words = in_words(RigidMotions(motion[:, None], free.centre, free.size))
+    return f"{carried}, or other loads that balance it, found {names} free {words}"

@@ -14,14 +14,15 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.bodies.loads.kinds import spread_loads
+from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.case import Case, unit_vector
-from fretfe.case.loads import Push
-from fretfe.errors import MeshError
+from fretfe.case.model import holders
 from fretfe.loads import History
 from fretfe.loads.friction import read_coefficients
-from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.mesh.mesh import Mesh
 from fretfe.surface.checks import InitialGap, initial_gaps
-from fretfe.surface.surface import build_surface
+from fretfe.surface.surface import boundary_surface
 
 # A direction is along the surface if its part along the normal is below this.
 PARALLEL = 1e-3
@@ -94,30 +95,14 @@ class ContactForces:
     def _held(self, body: str) -> Array:
         """(k, d) unit directions in which anything but forces moves or holds a body."""
         own, dimension = self.mesh.bodies[body].boundaries, self.mesh.dimension
-        everything = np.eye(dimension)
         if any(sector.boundary1 in own for sector in self.case.symmetry.values()):
-            return everything
-        held = [
-            unit_vector(axis, 3)[:dimension]
-            for support in self.case.supports.values()
-            if support.boundary in own
-            for axis in (*support.fix, support.direction)
-            if axis is not None
-        ]
-        platens: dict[str, list[tuple[float, ...]]] = {}
-        for load in self.case.loads.values():
-            if load.on not in own or not (load.moves or load.rigid):
-                continue
-            if load.by_shape:
-                return everything
-            direction = [] if load.along is None else [unit_vector(load.along, 3)[:dimension]]
-            if load.push is None:
-                held += direction
-            if load.rigid:
-                platens.setdefault(load.on, []).extend(direction)
-        # A platen is guided in whatever directions no load moves it.
-        guided = [_across(np.reshape(own, (-1, dimension))) for own in platens.values()]
-        return np.concatenate([np.reshape(held, (-1, dimension)), *guided])
+            return np.eye(dimension)
+        held = [np.zeros((0, dimension))]
+        for holder in holders(self.case.supports, self.case.loads):
+            if holder.boundary in own:
+                along = np.reshape(holder.directions, (-1, 3))[:, :dimension]
+                held.append(_across(along) if holder.platen else along)
+        return np.concatenate(held)
 
     def _shared(self, body: str) -> dict[str, Array] | None:
         """(T,) P of all contacts of a body that share its load; None without equilibrium.
@@ -154,18 +139,24 @@ class ContactForces:
             columns.append(sign * normal - (friction / size * along if slides else 0.0))
         return np.stack(columns, axis=1)
 
+    @cached_property
+    def _spread(self) -> tuple[SpreadLoad, ...]:
+        return spread_loads(self.case, self.mesh)
+
     def _on(self, body: str) -> Array:
         """(T, d) sum of the forces on a body, in the plane per unit thickness."""
-        total = np.zeros((len(self.history.times), self.mesh.dimension))
-        own = self.mesh.bodies[body].boundaries
+        own, dimension = self.mesh.bodies[body], self.mesh.dimension
+        values = dict(zip(self.history.channels, self.history.values.T, strict=True))
+        total, thickness = np.zeros((len(self.history.times), dimension)), self.case.model.thickness
         for name, load in self.case.loads.items():
-            if load.push is None or load.on not in own:
-                continue
-            force = _resultant(load.push, self.mesh.bodies[body], load.on)
-            if load.push.total:
-                force = np.array(unit_vector(load.push.direction, 3)[: self.mesh.dimension])
-                force /= self.case.model.thickness
-            total += np.outer(self.history.values[:, self.history.channels.index(name)], force)
+            if load.rigid and load.push is not None and load.on in own.boundaries:
+                force = np.array(unit_vector(load.push, 3)[:dimension]) / thickness
+                total += np.outer(values[name], force)
+        for spread in self._spread:
+            if (given := spread.traction) is not None and given.boundary in own.boundaries:
+                force = given.forces(boundary_surface(own, given.boundary))[1].sum(axis=0)
+                unit = 1 / thickness if spread.total else 1.0
+                total += np.outer(unit * values[spread.channel], force[:dimension])
         return total
 
 
@@ -175,17 +166,3 @@ def _across(directions: Array) -> Array:
         return np.eye(directions.shape[1])
     _, sizes, axes = np.linalg.svd(directions)
     return np.asarray(axes[np.count_nonzero(sizes > PARALLEL) :])
-
-
-def _resultant(push: Push, body: BodyMesh, boundary: str) -> Array:
-    """(d,) force of a unit traction; NaN if it varies, or its boundary is no single surface."""
-    dimension = body.points.shape[1]
-    if not push.uniform:
-        return np.full(dimension, np.nan)
-    try:
-        surface = build_surface(body, boundary)
-    except MeshError:
-        return np.full(dimension, np.nan)
-    if push.direction == "normal":
-        return np.asarray(surface.measures @ surface.normals.mean(axis=1))
-    return surface.measures.sum() * np.array(unit_vector(push.direction, 3)[:dimension])

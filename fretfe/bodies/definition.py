@@ -15,7 +15,7 @@ from fretfe.bodies.bonds import bond_parts
 from fretfe.bodies.constraints import Constraint, Driven, support_constraints
 from fretfe.bodies.cyclic import Tie, tie_sides
 from fretfe.bodies.loads.cut import Asked, Cut
-from fretfe.bodies.loads.kinds import require_one_rotation, spread_loads
+from fretfe.bodies.loads.kinds import spread_loads
 from fretfe.bodies.loads.motion import moved_boundaries, overlaps, read_all_cuts
 from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.bodies.loads.strain import require_temperatures
@@ -198,7 +198,6 @@ def require_possible(case: Case, definition: ModelDefinition, history: History) 
         CaseError: names the first load that is not.
     """
     require_temperatures(case, definition.loads, history)
-    require_one_rotation(case, definition.loads, history)
     for cut in definition.cuts:
         cut.require_steps(case, history)
 

@@ -220,7 +220,7 @@ def _with_held_sector(case: Case, definition: ModelDefinition, mesh: Mesh) -> Mo
             constraints=(*body.constraints, constraint),
             coordinates=(*body.coordinates, Coordinate(constraint.label, body.name, "fixed", "")),
         )
-        if free_motions([held, *others], mesh).count < free_motions(group, mesh).count:
+        if free_motions([[held, *others]], mesh).count < free_motions([group], mesh).count:
             bodies = tuple(held if each is body else each for each in definition.bodies)
             definition = replace(definition, bodies=bodies)
     return definition
@@ -346,7 +346,7 @@ def modes_restrained_by_contact(definition: ModelDefinition, mesh: Mesh) -> dict
     """
     found: dict[str, str] = {}
     for body in definition.bodies:
-        free = free_motions([body], mesh)
+        free = free_motions([[body]], mesh)
         if free.count:
             found[body.name] = in_words(free)
     return found
@@ -359,7 +359,7 @@ def _require_restraint(case: Case, definition: ModelDefinition, mesh: Mesh) -> N
         ModelError: names the bodies that could still move, and how.
     """
     for bodies in joined(case, definition):
-        free = free_motions(bodies, mesh)
+        free = free_motions([bodies], mesh)
         if not free.count:
             continue
         names = sorted(body.name for body in bodies)
@@ -386,7 +386,7 @@ def joined(
 
 @dataclass(frozen=True)
 class Freedom(RigidMotions):
-    """Motions that nothing resists of bodies that move as one.
+    """Motions that nothing resists, `motions` those of each group of bodies one below the other.
 
     Attributes:
         pushed: labels of the forces that drive some of them.
@@ -397,22 +397,45 @@ class Freedom(RigidMotions):
     platens: dict[str, Array]
 
 
+@dataclass(frozen=True)
+class Seat:
+    """A surface on which bodies slide without parting from those opposite.
+
+    Attributes:
+        surface: with the normals across which they do not move against each other.
+        bodies: names of both.
+    """
+
+    surface: Surface
+    bodies: tuple[str, str]
+
+    def across(self, centre: Array, size: float, components: int) -> Array:
+        """(n, k) rigid motions across the surface, about a centre, for lengths over a size."""
+        dimension = self.surface.dimension
+        nodes, normals = (
+            each.reshape(-1, dimension) for each in (self.surface.nodes, self.surface.normals)
+        )
+        motions = rigid_motions((nodes - centre) / size, components)[:, :dimension]
+        return np.asarray(np.einsum("nd,ndk->nk", normals, motions))
+
+
 def free_motions(
-    bodies: Sequence[BodyDefinition], mesh: Mesh, seats: Sequence[Surface] = ()
+    groups: Sequence[Sequence[BodyDefinition]], mesh: Mesh, seats: Sequence[Seat] = ()
 ) -> Freedom:
-    """Unrestrained motions of bodies that move as one.
+    """Unrestrained motions of groups of bodies, each of which moves as one.
 
     Args:
-        bodies: that move.
+        groups: of bodies that move.
         mesh: of all bodies.
-        seats: surfaces on which they slide, if at all.
+        seats: surfaces on which they slide, if at all; bodies of no group stay where they are.
     """
-    points = np.concatenate([mesh.bodies[body.name].points for body in bodies])
+    owner = {body.name: number for number, group in enumerate(groups) for body in group}
+    points = np.concatenate([mesh.bodies[name].points for name in owner])
     centre, size = points.mean(axis=0), float(np.ptp(points, axis=0).max())
-    components = bodies[0].components
+    components, columns = groups[0][0].components, np.eye(len(groups))
     count = rigid_motions(points[:1], components).shape[2]
-    parts, labels = [], []
-    for body in bodies:
+    parts, forces, labels = [np.zeros((0, len(groups) * count))], [], []
+    for body in (each for group in groups for each in group):
         driven = [
             i for i, each in enumerate(body.coordinates)
             if each.control == "force" and not body.constraints[i].overlap
@@ -425,17 +448,18 @@ def free_motions(
                 lambda points: rigid_motions((points - centre) / size, components)
             )
             rows.append(np.pad(tied, ((0, 0), (0, len(driven)))))
-        parts.append(np.concatenate(rows))
+        own, by_force = np.split(np.concatenate(rows), [count], axis=1)
+        parts.append(np.kron(columns[owner[body.name]], own))
+        forces.append(by_force)
     for seat in seats:
-        places, normals = (each.reshape(-1, seat.dimension) for each in (seat.nodes, seat.normals))
-        motions = rigid_motions((places - centre) / size, components)[:, : seat.dimension]
-        parts.append(np.einsum("nd,ndk->nk", normals, motions))
-    held = np.concatenate([rows[:, :count] for rows in parts])
-    by_force = linalg.block_diag(*(rows[:, count:] for rows in parts))
+        one, other = (columns[owner[name]] if name in owner else 0.0 for name in seat.bodies)
+        parts.append(np.kron(one - other, seat.across(centre, size, components)))
+    held, by_force = np.concatenate(parts), linalg.block_diag(*forces)
+    by_force = np.pad(by_force, ((0, len(held) - len(by_force)), (0, 0)))
     # A unit of each coordinate moves its platen by one at most.
     units = np.maximum(np.abs(by_force).max(axis=0, initial=1e-300), 1e-300)
     directions = _null_space(np.hstack([held, by_force / units]))
-    motions, amplitudes = directions[:count], directions[count:]
+    motions, amplitudes = np.split(directions, [len(held.T)])
     moving = np.abs(amplitudes).max(axis=1, initial=0.0) > DRIVEN
     pushed = list(compress(labels, moving))
     platens = dict(zip(labels, amplitudes / units[:, None], strict=True))

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from fretfe.case.base import BoundarySelector, Selector, file_kind, unit_vector
+from fretfe.case.base import BoundarySelector, Selector, unit_vector
 from fretfe.case.bodies import (
     IS_CRYSTAL,
     AnyBody,
@@ -12,20 +12,12 @@ from fretfe.case.bodies import (
     isotropic,
 )
 from fretfe.case.loads import (
-    AccelerationLoad,
-    DisplacementLoad,
-    EigenstrainLoad,
     FieldLoad,
-    ForceLoad,
-    InterferenceLoad,
     Load,
     PlatenLoad,
     RotationLoad,
-    ShapeLoad,
     TemperatureFieldLoad,
     TemperatureLoad,
-    TiltLoad,
-    TractionLoad,
 )
 from fretfe.case.materials import case_notes
 from fretfe.case.messages import complaint
@@ -41,42 +33,26 @@ from fretfe.case.reading import (
 )
 from fretfe.case.segments import CsvPoints, Hold, Points, Ramp, Segment, Wave
 from fretfe.case.tables import (
-    Contact,
-    Cycle,
-    Edges,
     Geometry,
-    Model,
-    Output,
     Plane,
     Solid,
     Support,
     Symmetry,
-    TiedParts,
 )
 from fretfe.case.units import Units, stiffness_doubts
 
 __all__ = [
     "IS_CRYSTAL",
-    "AccelerationLoad",
     "AnyBody",
     "Body",
     "BoundarySelector",
     "Case",
-    "Contact",
     "Crystal",
     "CsvPoints",
-    "Cycle",
-    "DisplacementLoad",
-    "Edges",
-    "EigenstrainLoad",
     "FieldLoad",
-    "ForceLoad",
     "Geometry",
     "Hold",
-    "InterferenceLoad",
     "Load",
-    "Model",
-    "Output",
     "Plane",
     "PlatenLoad",
     "Points",
@@ -84,15 +60,11 @@ __all__ = [
     "RotationLoad",
     "Segment",
     "Selector",
-    "ShapeLoad",
     "Solid",
     "Support",
     "Symmetry",
     "TemperatureFieldLoad",
     "TemperatureLoad",
-    "TiedParts",
-    "TiltLoad",
-    "TractionLoad",
     "Units",
     "Wave",
     "as_written",
@@ -102,7 +74,6 @@ __all__ = [
     "changed",
     "check_dimension",
     "complaint",
-    "file_kind",
     "isotropic",
     "load_case",
     "parse_assignments",

@@ -13,7 +13,6 @@ from typing import (
     Any,
     ClassVar,
     Literal,
-    NamedTuple,
     Self,
     get_args,
 )
@@ -56,20 +55,6 @@ LengthFactor = Annotated[
         "case in millimetres."
     ),
 ]
-
-
-class Push(NamedTuple):
-    """A force on a boundary by a unit of a load.
-
-    Attributes:
-        direction: of the force; "normal" is outward.
-        total: whether the history is the force for the whole thickness, not force per area.
-        uniform: whether it is the same all over the boundary.
-    """
-
-    direction: Along
-    total: bool
-    uniform: bool = True
 
 
 class Load(Table):
@@ -161,10 +146,9 @@ class Load(Table):
         return False
 
     @property
-    def push(self) -> Push | None:
-        """Force on its boundary, not uniform unless its kind says so; None if it gives none."""
-        known = self.moves or self.rigid or not self.on
-        return None if known else Push("normal", total=False, uniform=False)
+    def push(self) -> Along | None:
+        """Direction of the force that it gives on its boundary; None if it gives none."""
+        return None
 
     def half_plane_obstacle(self, top: str, sides: Collection[str]) -> str:
         """Reason why it does not act on half-planes; empty if it does.
@@ -250,9 +234,9 @@ class PlatenLoad(Load):
         return units.force if self.control == "force" else units.length
 
     @property
-    def push(self) -> Push | None:
-        """The force, if the history is that."""
-        return Push(self.direction, total=True) if self.control == "force" else None
+    def push(self) -> Along | None:
+        """Direction of the force, if the history is that."""
+        return self.direction if self.control == "force" else None
 
     def half_plane_obstacle(self, top: str, sides: Collection[str]) -> str:
         """Reason why it does not act on half-planes; empty if it does."""
@@ -332,9 +316,9 @@ class TractionLoad(LoadAtPoints):
         return self
 
     @property
-    def push(self) -> Push:
-        """The traction."""
-        return Push(self.direction, total=False, uniform=not self.at_points)
+    def push(self) -> Along:
+        """Direction of the traction."""
+        return self.direction
 
     def half_plane_obstacle(self, top: str, sides: Collection[str]) -> str:
         """Reason why it does not act on half-planes; empty if it does."""
@@ -503,9 +487,9 @@ class ForceLoad(Load):
     history_unit = "{force}"
 
     @property
-    def push(self) -> Push:
-        """The force."""
-        return Push(self.direction, total=True)
+    def push(self) -> Along:
+        """Direction of the force."""
+        return self.direction
 
     @model_validator(mode="after")
     def _both_or_none(self) -> Self:

@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping
-from itertools import chain, combinations
+from itertools import chain, combinations, product
 from pathlib import Path
 from typing import Any, NamedTuple, Self
 
@@ -74,6 +74,7 @@ def cross_problems(
         *_platen_problems(contacts, supports, loads),
         *_platen_direction_problems(loads),
         *_displacement_problems(supports, loads),
+        *_carried_problems(supports, loads),
         *_body_problems(bodies, loads),
         *_need_problems(bodies, loads),
         *_interference_problems(contacts, loads),
@@ -114,6 +115,59 @@ def _held_surface_problems(
                 f"expected a boundary that is no contact surface, found {boundary!r}, which is "
                 f"{used[boundary]}",
             )
+
+
+class Holder(NamedTuple):
+    """A table that holds a boundary, or moves it by more than a force.
+
+    Attributes:
+        key: of the table.
+        boundary: that is held.
+        directions: unit vectors (3,) at right angles along which it is held, or of a platen those
+            in which forces move it.
+        platen: whether it is held across its directions, not along them.
+    """
+
+    key: str
+    boundary: str
+    directions: tuple[tuple[float, ...], ...]
+    platen: bool = False
+
+    def carries(self, force: tuple[float, ...]) -> tuple[float, ...]:
+        """The part (3,) of a force (3,) that it carries."""
+        rest = force
+        for each in self.directions:
+            size = sum(a * b for a, b in zip(force, each, strict=True))
+            rest = tuple(a - size * b for a, b in zip(rest, each, strict=True))
+        return rest if self.platen else tuple(a - b for a, b in zip(force, rest, strict=True))
+
+    def carried(self, direction: Along) -> str:
+        """What is wrong with a load on its boundary along a direction; empty if nothing is."""
+        part = self.carries(unit_vector(direction, 3))
+        axes = [axis for axis, size in zip(AXES, part, strict=True) if abs(size) > ORTHOGONALITY]
+        if not axes:
+            return ""
+        return (
+            f"expected a load that moves its boundary, found that it acts on {self.boundary!r}, "
+            f"which {self.key} holds along {axes[0] if len(axes) == 1 else _shown(part)}: that "
+            f"carries {math.hypot(*part):.0%} of it; let it go there, or load another boundary"
+        )
+
+
+def holders(supports: Mapping[str, Support], loads: Mapping[str, Load]) -> Iterator[Holder]:
+    """All that holds a boundary along directions that are the same everywhere."""
+    for name, support in supports.items():
+        own = [axis for axis in support.fix if axis in AXES]
+        vectors = [unit_vector(each, 3) for each in (*own, support.direction) if each is not None]
+        yield Holder(f"supports.{name}", support.boundary, tuple(vectors))
+    for on, name in _platens(loads).items():
+        platen = [each for each in loads.values() if each.rigid and each.on == on]
+        forces = tuple(unit_vector(each.push, 3) for each in platen if each.push)
+        yield Holder(f"loads.{name}", on, forces, platen=True)
+    for name, load in loads.items():
+        if load.moves and load.on:
+            along = () if load.along is None else (unit_vector(load.along, 3),)
+            yield Holder(f"loads.{name}", load.on, along, platen=load.along is None)
 
 
 def _platens(loads: Mapping[str, Load]) -> dict[str, str]:
@@ -171,23 +225,29 @@ def _displacement_problems(
     supports: Mapping[str, Support], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
     """Components of a boundary that are prescribed twice."""
-    used: dict[tuple[str, Along], str] = {
-        (support.boundary, axis): f"supports.{name}"
-        for name, support in supports.items()
-        for axis in support.fix
-    }
+    used = [*holders(supports, {})]
     for name, load in loads.items():
         if not (load.moves and load.on):
             continue
-        for axis in AXES if load.along is None else (load.along,):
-            component = (load.on, axis)
-            if component in used:
+        axes = AXES if load.along is None else (load.along,)
+        for axis, other in product(axes, [each for each in used if each.boundary == load.on]):
+            if math.hypot(*other.carries(unit_vector(axis, 3))) > 1 - ORTHOGONALITY:
                 yield Problem(
                     ("loads", name, "boundary" if load.along is None else "direction"),
                     f"expected a free component, found {axis!r} of {load.on!r}, which "
-                    f"{used[component]} prescribes already",
+                    f"{other.key} prescribes already",
                 )
-            used.setdefault(component, f"loads.{name}")
+        used += holders({}, {name: load})
+
+
+def _carried_problems(
+    supports: Mapping[str, Support], loads: Mapping[str, Load]
+) -> Iterator[Problem]:
+    """Loads that what holds their own boundary carries; of normal ones only the mesh tells."""
+    for (name, load), holder in product(loads.items(), [*holders(supports, loads)]):
+        along = None if load.rigid or holder.boundary != load.on else load.push
+        if along is not None and along != "normal" and (text := holder.carried(along)):
+            yield Problem(("loads", name), text)
 
 
 def _body_problems(bodies: Mapping[str, AnyBody], loads: Mapping[str, Load]) -> Iterator[Problem]:

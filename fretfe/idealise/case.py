@@ -17,6 +17,7 @@ from fretfe.case import (
     isotropic,
     unit_vector,
 )
+from fretfe.case.model import holders
 from fretfe.errors import ModelError
 from fretfe.idealise.bodies import (
     LOWER,
@@ -61,6 +62,7 @@ def loading_obstacles(case: Case) -> Iterator[str]:
     for key in case.moving_across():
         if key[0] != "bodies":  # said of crystals in any case
             yield f"{'.'.join(map(str, key))}: expected nothing that moves the bodies along z"
+    yield from _carried(case)
     if case.symmetry:
         yield "symmetry: expected no sector of a disc"
     if case.ties:
@@ -94,6 +96,14 @@ def loading_obstacles(case: Case) -> Iterator[str]:
             f"loads: expected a force on {TOP!r} in x as well as {found} (0 will do): "
             "without one the shear force is an unknown reaction"
         )
+
+
+def _carried(case: Case) -> Iterator[str]:
+    """Tractions normal to a top that is held there; those along axes no case has."""
+    for name, load in _top_loads(case).items():
+        for holder in holders(case.supports, case.loads) if load.along == "normal" else ():
+            if holder.boundary == TOP and (text := holder.carried("y")):
+                yield f"loads.{name}: {text}"
 
 
 def _surface_obstacles(case: Case) -> Iterator[str]:

@@ -7,6 +7,7 @@ import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from enum import StrEnum
+from itertools import compress
 
 import numpy as np
 
@@ -518,9 +519,9 @@ def build_history(case: Case) -> History:
     Raises:
         CaseError: a segment ends before it starts or does not continue the one before, a table or
             CSV file is not usable, there is no step at all, steps are too close for a history of
-            this length, a time that the case names (friction_from, cycle, output.fields) is not
-            that of a step, or friction over time does not cover the history. Problems of different
-            loads are listed together.
+            this length, several loads turn the bodies at once, a time that the case names
+            (friction_from, cycle, output.fields) is not that of a step, or friction over time does
+            not cover the history. Problems of different loads are listed together.
     """
     channels: dict[str, list[Piece]] = {}
     problems: list[str] = []
@@ -537,6 +538,7 @@ def build_history(case: Case) -> History:
         raise CaseError(complaint(case.source, ("loads",), text))
     _require_apart(case, channels, times[-1])
     values = np.column_stack([_evaluate(pieces, times) for pieces in channels.values()])
+    _require_one_rotation(case, times, values)
     check_times(case, times)
     for name in case.contacts:
         read_coefficients(case, name).require_times(float(times[-1]))
@@ -607,6 +609,20 @@ def _require_apart(case: Case, channels: Mapping[str, Sequence[Piece]], end: flo
                     f"{spacing:.4g} in a history that ends at {end:.4g}: they would be one time"
                 )
                 raise CaseError(complaint(case.source, ("loads", name, "history", index), text))
+
+
+def _require_one_rotation(case: Case, times: Array, values: Array) -> None:
+    """Check that speeds are not to be added: the force goes with the square of their sum."""
+    turning = [load.body_force and load.about is not None for load in case.loads.values()]
+    both = np.flatnonzero(np.count_nonzero(values[:, turning], axis=1) > 1)
+    if both.size:
+        names = " and ".join(compress(case.loads, turning))
+        text = (
+            f"expected one load of the type rotation at a time, found {names} at time "
+            f"{times[both[0]]:g}: the force goes with the square of the whole speed, so give that "
+            "by one of them"
+        )
+        raise CaseError(complaint(case.source, ("loads",), text))
 
 
 def _evaluate(pieces: Sequence[Piece], times: Array) -> Array:

@@ -16,7 +16,9 @@ from fretfe.errors import MeshError
 from fretfe.mesh.elements import (
     CORNERS,
     MIDDLES,
+    SIMPLICES,
     facet_measures,
+    jacobian_determinants,
     row_keys,
     smallest_angle,
 )
@@ -52,6 +54,16 @@ class BodyMesh:
     order: int
     boundaries: dict[str, Indices]
     pieces: int = 1
+
+    def volumes(self) -> tuple[Array, Array]:
+        """Corners of all cells (n, d), and the shares (n,) of the volume that they stand for.
+
+        Linear forces are integrated exactly on cells that are simplices or parallelepipeds.
+        """
+        corners = self.cells[:, : CORNERS[self.cell]]
+        shares = jacobian_determinants(self.points, corners, self.cell, 1) / corners.shape[1]
+        simplices = math.factorial(self.points.shape[1]) if self.cell in SIMPLICES else 1
+        return self.points[corners.ravel()], shares.ravel() / simplices
 
 
 @dataclass(frozen=True, eq=False)

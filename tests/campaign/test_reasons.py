@@ -89,6 +89,7 @@ def platen(**keys: Any) -> dict[str, Any]:
             "history": [PRESS], **keys}  # fmt: skip
 
 
+PUSHED = {"type": "traction", "boundary": "HEAD", "history": [PRESS]}
 MODEL_FAULT = ModelError.exit_code
 CSV = {"csv": "q.csv", "time": "t", "value": "q"}
 TIE = "*TIE, NAME=T\nFACE, PAD\n"
@@ -376,6 +377,69 @@ ROWS = {
     ),
     # what nothing carries
     "nothing-held": Row(4, "low", "nothing holds 'low' and 'up'", {"supports": {}}),
+    "carried-by-a-support": Row(
+        2,
+        "loads.press",
+        "'HEAD', which supports.top holds along y",
+        {
+            "loads.press": {**PUSHED, "direction": "y"},
+            "supports.top": {"boundary": "HEAD", "fix": ["y"]},
+        },
+    ),
+    "carried-across-its-normal": Row(
+        2,
+        "loads.press.boundary",
+        "'HEAD', whose nodes 'top y' holds",
+        {
+            "loads.press": {**PUSHED, "direction": "normal"},
+            "supports.top": {"boundary": "HEAD", "fix": ["y"]},
+        },
+    ),
+    "carried-by-nodes-of-another-name": Row(
+        2,
+        "loads.press.boundary",
+        "'HEAD', whose nodes 'top y' holds",
+        {
+            "loads.press": {**PUSHED, "direction": "y"},
+            "supports.top": {"boundary": "CREST", "fix": ["x", "y"]},
+        },
+    ),
+    "carried-by-a-platen": Row(
+        2,
+        "loads.more",
+        "'HEAD', which loads.press holds along x",
+        {"loads.more": {**PUSHED, "direction": "x"}},
+    ),
+    "carried-in-part": Row(
+        2,
+        "loads.press",
+        "'HEAD', which supports.top holds along x: that carries 60% of it",
+        {
+            "loads.press": {**PUSHED, "direction": [3, -4]},
+            "supports.top": {"boundary": "HEAD", "fix": ["x"]},
+        },
+    ),
+    "slides-without-friction": Row(
+        2,
+        "loads.shear",
+        "found 'up' free to move along x",
+        {
+            "contacts.main.friction": 0.0,
+            "loads.shear": {**platen(direction="x"), "history": [HOLD, SHEAR]},
+        },
+    ),
+    "weight-without-friction": Row(
+        2,
+        "loads.weight",
+        "carries a force of",
+        {
+            "contacts.main.friction": 0.0,
+            "bodies.up.density": 1.0,
+            "bodies.low.density": 1.0,
+            "loads.press": {**PUSHED, "direction": "y"},
+            "loads.weight": {"type": "acceleration", "direction": [3, -4], "history": [PRESS]},
+        },
+    ),
     "no-load": Row(2, "loads", "a load with at least one step", {"loads": {}}),
     # layers, plane state
     "plane-state": Row(2, "model.plane", "'axisymmetric'", {"model.plane": "axisymmetric"}),

@@ -494,6 +494,14 @@ CONTRADICTIONS = {
         "loads.side.direction: expected a free component, found 'x' of 'substrate_bottom', which "
         "supports.base prescribes already",
     ),
+    "displacement-on-a-roller": (
+        {
+            "supports__side": {"boundary": "right", "direction": [-2, 0]},
+            "loads__side": load("displacement", boundary="right", direction="x"),
+        },
+        "loads.side.direction: expected a free component, found 'x' of 'right', which "
+        "supports.side prescribes already",
+    ),
     "displacement-twice": (
         {
             "loads__one": load("displacement", boundary="right", direction="x"),
@@ -526,9 +534,82 @@ def test_contradictions_between_tables_are_named(changes: dict[str, Any], expect
     assert "\n" not in text
 
 
+HELD_LOADS = {
+    "held-load": (
+        {"loads__push": load("traction", boundary="substrate_bottom", direction="y")},
+        "'substrate_bottom', which supports.base holds along y: that carries 100% of it",
+    ),
+    "load-held-in-part": (
+        {
+            "supports__side": {"boundary": "right", "fix": ["x"]},
+            "loads__push": load("force", boundary="right", direction=[3, -4]),
+        },
+        "'right', which supports.side holds along x: that carries 60% of it",
+    ),
+    "load-on-a-roller": (
+        {
+            "supports__side": {"boundary": "right", "direction": [1, 1]},
+            "loads__push": load("force", boundary="right", direction="x"),
+        },
+        "'right', which supports.side holds along [0.5, 0.5, 0]: that carries 71% of it",
+    ),
+    "load-on-a-guided-platen": (
+        {"loads__push": load("traction", boundary="pad_top", direction="x")},
+        "'pad_top', which loads.press holds along x",
+    ),
+    "load-on-a-moved-platen": (
+        {
+            "loads__press__control": "displacement",
+            "loads__push": load("traction", boundary="pad_top", direction="y"),
+        },
+        "'pad_top', which loads.press holds along y",
+    ),
+    "load-on-a-tilt": (
+        {
+            "loads__tilt": {
+                **load("tilt", boundary="right"),
+                "centre": [0, 0],
+                "control": "moment",
+            },
+            "loads__push": load("force", boundary="right", direction="x"),
+        },
+        "'right', which loads.tilt holds along x",
+    ),
+    "load-on-a-moved-boundary": (
+        {
+            "loads__side": load("displacement", boundary="right", direction="x"),
+            "loads__push": load("force", boundary="right", direction="x"),
+        },
+        "'right', which loads.side holds along x",
+    ),
+    "load-on-a-cut": (
+        {
+            "loads__side": load("field", boundary="right", file="run.frd"),
+            "loads__push": load("force", boundary="right", direction="y"),
+        },
+        "'right', which loads.side holds along y",
+    ),
+}
+
+
+@pytest.mark.parametrize(("changes", "expected"), HELD_LOADS.values(), ids=HELD_LOADS)
+def test_loads_that_their_own_boundary_carries_are_named(
+    changes: dict[str, Any], expected: str
+) -> None:
+    text = message(**changes)
+    begin = "b1.toml: loads.push: expected a load that moves its boundary, found that it acts on "
+    assert text.startswith(begin + expected)
+    assert "\n" not in text
+
+
 @pytest.mark.parametrize(
     "changes",
     [
+        {"loads__push": load("traction", boundary="pad_top", direction="y")},
+        {
+            "supports__side": {"boundary": "right", "fix": ["x"]},
+            "loads__push": load("force", boundary="right", direction="y"),
+        },
         {"loads__shear": load(boundary="pad_top", direction="x")},
         {
             "loads__press__direction": [3, 4],
@@ -543,6 +624,8 @@ def test_contradictions_between_tables_are_named(changes: dict[str, Any], expect
         {"geometry": {"file": "a.xdmf", "facets": "b.xdmf", "bodies": {"a": {"tags": [0, -3]}}}},
     ],
     ids=[
+        "traction-along-a-platen",
+        "load-across-a-support",
         "axes",
         "orthogonal-vectors",
         "other-platen",

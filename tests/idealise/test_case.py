@@ -226,6 +226,19 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
         },
         "supports: expected 'lower_bottom' to be free in x under a bulk tension, found it fixed",
     ),
+    "traction on a guided top": (
+        {
+            "loads": {
+                "press": {
+                    **pull(1.0, "upper_top"),
+                    "history": [{"ramp": -25.0, "until": 1.0, "steps": 4}],
+                },
+                "shear": shear(),
+            }
+        },
+        "loads.press: expected a load that moves its boundary, found that it acts on 'upper_top', "
+        "which loads.shear holds along y",
+    ),
     "tension on the held side": (
         {
             "supports": SLIDING,

@@ -79,7 +79,7 @@ TOO_LONG = {
 NUMBERS = {
     "analytic": 27,
     "backends": 9,
-    "bodies": 43,
+    "bodies": 39,
     "case": 21,
     "cli": 4,
     "contact": 57,
@@ -87,7 +87,7 @@ NUMBERS = {
     "evaluate": 264,
     "exchange": 31,
     "fem": 56,
-    "fields": 13,
+    "fields": 17,
     "halfplane": 3,
     "history": 7,
     "idealise": 17,

@@ -18,12 +18,12 @@ from scipy import sparse
 from scipy.spatial import cKDTree
 
 from fretfe._typing import Array, Indices
-from fretfe.bodies.change_of_shape import doubt_of_unit
 from fretfe.bodies.point_values import OUTSIDE, PointValues
 from fretfe.case import Case, FieldLoad, TemperatureFieldLoad, complaint
 from fretfe.case.base import ABSOLUTE_ZERO
 from fretfe.contact.interface import Course
 from fretfe.errors import CaseError
+from fretfe.fields.change_of_shape import doubt_of_unit
 from fretfe.loads import History
 from fretfe.mesh.contained import Opened, arrays_of, reading_seconds
 from fretfe.mesh.mesh import place_text

@@ -6,8 +6,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any
 
-import numpy as np
-
 from fretfe.bodies.loads.spread import (
     Acceleration,
     Force,
@@ -33,8 +31,6 @@ from fretfe.case.loads import (
     TemperatureLoad,
     TractionLoad,
 )
-from fretfe.errors import CaseError
-from fretfe.loads import History
 from fretfe.mesh.mesh import Mesh
 
 # What loads of each kind are to bodies; those of other kinds move boundaries (`motion`).
@@ -65,20 +61,3 @@ def spread_loads(case: Case, mesh: Mesh) -> tuple[SpreadLoad, ...]:
     for load in loads:
         load.require_mesh(case, mesh)
     return loads
-
-
-def require_one_rotation(case: Case, loads: Sequence[SpreadLoad], history: History) -> None:
-    """Check that speeds are not to be added: the force goes with the square of their sum.
-
-    Raises:
-        CaseError: names the loads, and when they turn the bodies together.
-    """
-    names = [load.channel for load in loads if isinstance(load, Rotation)]
-    speeds = history.values[:, [history.channels.index(name) for name in names]]
-    both = np.flatnonzero((speeds != 0).sum(axis=1) > 1)
-    if both.size:
-        raise CaseError(
-            f"{case.source}: loads: expected one load of the type rotation at a time, found "
-            f"{' and '.join(names)} at time {history.times[both[0]]:g}: the force goes with the "
-            "square of the whole speed, so give that by one of them"
-        )

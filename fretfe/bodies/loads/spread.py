@@ -24,7 +24,8 @@ from fretfe.case.loads import (
 from fretfe.errors import CaseError
 from fretfe.materials.material import Material
 from fretfe.mesh.mesh import Mesh
-from fretfe.surface.surface import boundary_surface
+from fretfe.surface.overlap import GAUSS_POINTS
+from fretfe.surface.surface import Surface, boundary_surface
 
 # From a node to the nearest point of integration of a part of a boundary, over the extent of its
 # facet: at most .03 along a line, .06 in a triangle.
@@ -53,6 +54,19 @@ class SurfaceTraction:
     centre: tuple[float, ...] = ()
     radius: float = 0.0
     through: tuple[float, ...] = ()
+
+    def forces(self, surface: Surface) -> tuple[Array, Array]:
+        """Places (n, d) and forces (n, c) by a unit of it on its boundary."""
+        places, vectors = surface.integration_points(GAUSS_POINTS)
+        areas = np.linalg.norm(vectors, axis=1)
+        if self.even:
+            if self.radius:
+                away = places - np.array(self.centre[: surface.dimension])
+                areas = areas * (np.linalg.norm(away, axis=1) < self.radius)
+            through = self.through[: surface.dimension] or areas @ places / areas.sum()
+            return np.array([through]), np.array([self.direction])
+        forces = np.outer(areas, self.direction) if self.direction else vectors
+        return places, forces if self.factors is None else forces * self.factors.at(places)[:, None]
 
 
 @dataclass(frozen=True)
