@@ -57,7 +57,7 @@ DefineConstant[
   root_corner    = {2,    Min 0.2,   Max 30,  Name "Parameters/11 Radius of the lower corners of the blade root [mm]"},
   slot_clearance = {1.5,  Min 0.05,  Max 30,  Name "Parameters/12 Gap between blade and slot at the bottom [mm]"},
   slot_fillet    = {3,    Min 0.3,   Max 30,  Name "Parameters/13 Radius of the fillets in the slot [mm]"},
-  mouth_radius   = {1,    Min 0.1,   Max 20,  Name "Parameters/14 Radius of the edge at the mouth of the slot [mm]"},
+  mouth_radius   = {1,    Min 0.1,   Max 20,  Name "Parameters/14 Radius of the edge at the mouth of the slot, unless upper_on_disc [mm]"},
   mouth_height   = {3,    Min 0.1,   Max 50,  Name "Parameters/15 Height of the straight wall at the mouth of the slot [mm]"},
   shank_height   = {12,   Min 1,     Max 100, Name "Parameters/16 Height of the blade top above the disc [mm]"},
   disc_width     = {60,   Min 5,     Max 500, Name "Parameters/17 Width of the disc block [mm]"},

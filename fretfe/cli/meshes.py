@@ -67,7 +67,11 @@ def check(
 
 
 def _propose(deck: Path) -> None:
-    """Print the case that a deck amounts to, and whether it could be solved."""
+    """Print the case that a deck amounts to, and whether it could be solved.
+
+    Raises:
+        Exit: with the exit code that the case would have.
+    """
     import tomllib
 
     from fretfe.case import parse_case
@@ -76,13 +80,14 @@ def _propose(deck: Path) -> None:
     from fretfe.mesh.inp_outline import outline
 
     found, source = outline(deck), deck.with_suffix(".toml")
-    text = "\n".join(found.lines)
+    text, code = "\n".join(found.lines), 0
     print(text)
     try:
         check_case(parse_case(tomllib.loads(text), source))
     except FretfeError as error:
         print("# This case cannot be solved yet:")
         print("#", str(error).replace("\n", "\n# "))
+        code = error.exit_code
     else:
         print("# This case is valid: write it to a file beside the deck.")
     if found.lacks:
@@ -92,6 +97,7 @@ def _propose(deck: Path) -> None:
             else f"{found.lacks} things of the deck are"
         )
         print(f"# It is not the deck: {things} not in it, see 'not taken over'.")
+    raise typer.Exit(code)
 
 
 def _print(checked: Checked, ranks: int | None) -> None:

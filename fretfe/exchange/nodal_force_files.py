@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.case.base import AXES
+from fretfe.case.base import AXES, positive_number
 from fretfe.errors import CaseError, MeshError
 from fretfe.exchange.nodal_forces import NodalForces, nodal_forces
 from fretfe.files import replace_text, writing
@@ -85,8 +85,7 @@ def export_forces(
         MeshError: if the surface cannot be read, or does not fit.
         OutputError: if a file cannot be written.
     """
-    if not 1e-12 <= wanted.factor <= 1e12:
-        raise CaseError(f"--factor: expected a number from 1e-12 to 1e12, found {wanted.factor:g}")
+    positive_number("--factor", wanted.factor)
     contact = _contact(result.solution, wanted)
     state = _state(result.solution, wanted.time)
     other = read_surface(mesh, surface)

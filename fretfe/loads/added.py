@@ -88,4 +88,8 @@ def cycle_words(loads: History, unit: str) -> str:
     if loads.cycle is None:
         return ""
     first, last = (loads.times[state] for state in loads.cycle)
-    return f"t = {first:.6g} to {last:.6g} {unit}, {REASONS[loads.choice]}"
+    found = f"t = {first:.6g} to {last:.6g} {unit}, {REASONS[loads.choice]}"
+    if loads.choice is CycleChoice.GIVEN and loads.open_channels:
+        names = ", ".join(f"loads.{name}" for name in loads.open_channels)
+        found += f", without a return of {names}, which more cycles do not bring"
+    return found

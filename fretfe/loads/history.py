@@ -427,10 +427,14 @@ class History:
     @property
     def returns(self) -> bool:
         """True if there is a cycle to evaluate, and every load is at its end what it was before."""
-        if self.cycle is None:
-            return False
-        first, last = self.values[list(self.cycle)]
-        return bool(np.all(np.abs(last - first) <= CLOSED * np.abs(self.values).max(axis=0)))
+        return self.cycle is not None and not self.open_channels
+
+    @property
+    def open_channels(self) -> tuple[str, ...]:
+        """Loads that do not return in the cycle, as one that `[cycle]` gives may have them."""
+        first, last = self.values[list(self.cycle or (0, 0))]
+        drifts = np.abs(last - first) > CLOSED * np.abs(self.values).max(axis=0)
+        return tuple(compress(self.channels, drifts))
 
     def until(self, step: int, later: int = 0) -> History:
         """The loads until a step.

@@ -552,13 +552,16 @@ def _nodes(level: Level, card: Card) -> None:
     ) != "RECTANGULAR":
         raise ValueError(f"expected x, y and z, found SYSTEM={system}: {REFUSED['SYSTEM']}")
     numbers = []
-    for row in card.rows:
-        number = level.number(row[0])
-        # coordinates at the end of a row may be left out
-        values = [real(value) if value else 0.0 for value in row[1:4]]
-        x, y, z = values + [0.0] * (3 - len(values))
-        if level.nodes.setdefault(number, (x, y, z)) != (x, y, z):
-            raise ValueError(f"node {number} is defined twice, at different places")
+    for row, (file, line) in zip(card.rows, card.lines, strict=True):
+        try:
+            number = level.number(row[0])
+            # coordinates at the end of a row may be left out
+            values = [real(value) if value else 0.0 for value in row[1:4]]
+            x, y, z = values + [0.0] * (3 - len(values))
+            if level.nodes.setdefault(number, (x, y, z)) != (x, y, z):
+                raise ValueError(f"node {number} is defined twice, at different places")
+        except ValueError as error:
+            raise MeshError(f"{file}, line {line}: cannot read *{card.keyword}: {error}") from None
         numbers.append(number)
     if name := card.name("NSET"):
         level.node_sets.setdefault(name, []).extend(numbers)

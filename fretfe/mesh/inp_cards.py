@@ -33,6 +33,7 @@ class Card:
         parameters: values by whole names without blanks, in capitals.
         rows: cells of the rows.
         place: file and line.
+        lines: files and numbers of the lines of the rows.
     """
 
     keyword: str
@@ -40,6 +41,7 @@ class Card:
     parameters: dict[str, str]
     rows: list[list[str]]
     place: str
+    lines: list[tuple[Path, int]] = field(default_factory=list)
 
     def name(self, parameter: str) -> str | None:
         """A name, in capitals, as case does not count; None without it."""
@@ -96,6 +98,7 @@ def cards(path: Path) -> Iterator[Card]:
             card = _card(line, f"{file}, line {number}")
         elif card is not None:
             card.rows.append([part.strip() for part in line.split(",")])
+            card.lines.append((file, number))
         else:
             raise MeshError(
                 f"{file}, line {number}: expected a keyword, which begins with *, found "

@@ -334,6 +334,15 @@ ROWS = {
         deck=("1, 1, 2, 6, 5", "1, 1, 2, 6"),
     ),
     "node-twice": Row(3, "line", "node 1 is defined twice", deck=behind("*NODE\n1, 7., 7.\n")),
+    "node-text": Row(
+        3,
+        "pad.inp, line 3: cannot read *NODE",
+        "'X.'",
+        deck=(
+            "\n2, 1.",
+            "\n2, x.",
+        ),
+    ),
     "twisted": Row(3, "up", "inverted", deck=("22, 22, 23, 27, 26", "22, 22, 27, 23, 26")),
     "rigid": Row(
         3,

@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.pad_cases import pad
 
 from fretfe.case import Case, parse_case
 from fretfe.loads import (
@@ -17,6 +18,7 @@ from fretfe.loads import (
     CycleChoice,
     History,
     build_history,
+    cycle_words,
     most_added,
     told_states,
 )
@@ -188,3 +190,17 @@ def test_added_cycles_on_the_way_do_not_count() -> None:
     solved = written.prolonged(3).until(22, 3)
     assert solved.cycle == (18, 22)
     np.testing.assert_array_equal(told_states(solved, last), [*range(1, 11), *range(18, 23)])
+
+
+@pytest.mark.parametrize(
+    ("ends", "told"), [(0.0, ""), (3e-10, ""), (0.5, ", without a return of loads.b,")]
+)
+def test_a_given_cycle_says_which_loads_drift(ends: float, told: str) -> None:
+    """A part of a mission need not return; what round-off of a file leaves is no drift."""
+    turns = [{"times": [1.0, 2.0, 3.0, 4.0], "values": [0.0, 1.0, ends, ends]}]
+    tables = {**pad(), "cycle": {"start": 1.0, "end": 3.0}}
+    base = tables["loads"]["press"]
+    tables["loads"] = {"a": base, "b": {**base, "direction": "x", "history": turns}}
+    words = cycle_words(build_history(parse_case(tables)), "s")
+    assert words.startswith("t = 1 to 3 s, given in [cycle]" + told)
+    assert told or words.endswith("[cycle]")

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 from fretfe.case import parse_case
 from fretfe.cli.app import app
-from fretfe.errors import MeshError
+from fretfe.errors import CaseError, MeshError
 from fretfe.loads import build_history
 from fretfe.mesh.inp import read_deck
 from fretfe.mesh.inp_outline import outline
@@ -72,14 +72,18 @@ def test_a_whole_deck_becomes_a_case_that_is_valid(tmp_path: Path) -> None:
             "history": [{"ramp": 2.0, "until": 1.0, "steps": 4}],
         },
     }  # fmt: skip
-    output = CliRunner().invoke(app, ["check", str(tmp_path / "pad.inp")]).output.splitlines()
+    found = CliRunner().invoke(app, ["check", str(tmp_path / "pad.inp")])
+    output = found.output.splitlines()
+    assert found.exit_code == 0
     assert output[-2:] == [
         "# pad.inp: keywords that are not used: 1 *NODE FILE",
         "# This case is valid: write it to a file beside the deck.",
     ]
     bare = tmp_path / "bare.inp"
     bare.write_text(MODEL)
-    output = CliRunner().invoke(app, ["check", str(bare)]).output.splitlines()
+    found = CliRunner().invoke(app, ["check", str(bare)])
+    output = found.output.splitlines()
+    assert found.exit_code == CaseError.exit_code
     assert "# This case cannot be solved yet:" in output
     assert any(
         "contacts: " in line for line in output[output.index("# This case cannot be solved yet:") :]
