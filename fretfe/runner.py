@@ -22,7 +22,7 @@ from fretfe.backends import Backend, Observer, Processes, RunOptions, find_backe
 from fretfe.backends.protocol import DEFAULTS, SILENT, StopOnly
 from fretfe.case import Case, stiffness_doubts
 from fretfe.environment import few_threads, memory_shortage, missing_package
-from fretfe.errors import CaseError, FretfeError, MemoryShortError, ModelError, OutputError
+from fretfe.errors import CaseError, FretfeError, MemoryShortError, OutputError
 from fretfe.faults import (
     Collected,
     Fault,
@@ -96,10 +96,10 @@ class Runner:
         """Check that the backend can solve a case.
 
         Raises:
-            ModelError: with all reasons why not.
+            CaseError: with all reasons why not.
+            ModelError: if these are of the model.
         """
-        supports = self.backend.supports
-        self.processes.on_root(lambda: require_support(self.name, case, supports(case)))
+        self.processes.on_root(lambda: require_support(self.name, self.backend, case))
 
     @few_threads()
     def run(
@@ -403,15 +403,15 @@ class Runner:
         return observer if self.processes.rank == 0 else StopOnly(observer)
 
 
-def require_support(backend: str, case: Case, reasons: Sequence[str]) -> None:
+def require_support(name: str, backend: Backend, case: Case) -> None:
     """Raise the reasons why a backend cannot solve a case, if there are any.
 
     Raises:
-        ModelError: with all of them, first constants in another unit, which may be behind them.
+        FretfeError: with all of them, first constants in another unit, which may be behind them.
     """
-    if reasons:
-        raise ModelError(
-            f"{case.source}: the backend {backend!r} cannot solve this case:\n"
+    if reasons := backend.supports(case):
+        raise backend.refusal(case)(
+            f"{case.source}: the backend {name!r} cannot solve this case:\n"
             + "\n".join(f"  {reason}" for reason in (*stiffness_doubts(case), *reasons))
         )
 

@@ -12,6 +12,7 @@ from itertools import chain
 from fretfe.backends.protocol import DEFAULTS, Backend, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.caution import Kind
+from fretfe.errors import CaseError, FretfeError, ModelError
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate, unknown_contacts, with_patches
 from fretfe.evaluate.limits import (
@@ -109,6 +110,14 @@ class HalfPlaneBackend(Backend):
     def supports(self, case: Case) -> tuple[str, ...]:
         """Reasons why a case is not a half-plane problem, or asks for fields."""
         return (*obstacles(case), *field_obstacles(case))
+
+    def refusal(self, case: Case) -> type[FretfeError]:
+        """That of the model where the contact opens or slides, else that of the case."""
+        try:
+            idealise(case)
+        except FretfeError as error:
+            return ModelError if isinstance(error, ModelError) else CaseError
+        return CaseError
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:
         """Solve a case that is a half-plane problem.

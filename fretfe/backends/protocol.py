@@ -16,7 +16,7 @@ from typing import TypeVar
 
 from fretfe.case import Case
 from fretfe.environment import rank_from_environment
-from fretfe.errors import CaseError, DependencyError, StoppedError
+from fretfe.errors import CaseError, DependencyError, FretfeError, StoppedError
 from fretfe.history.stream import Storage
 from fretfe.loads import History
 from fretfe.mesh.mesh import Mesh
@@ -186,6 +186,10 @@ class Backend(ABC):
     @abstractmethod
     def supports(self, case: Case) -> tuple[str, ...]:
         """Reasons why this backend cannot solve a case; empty if it can. Does no heavy work."""
+
+    def refusal(self, case: Case) -> type[FretfeError]:
+        """The error that these reasons are: of the case, which asks for what there is not."""
+        return CaseError
 
     @abstractmethod
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:

@@ -18,7 +18,7 @@ from fretfe.case import (
     unit_vector,
 )
 from fretfe.case.model import holders
-from fretfe.errors import ModelError
+from fretfe.errors import CaseError, ModelError
 from fretfe.idealise.bodies import (
     LOWER,
     UPPER,
@@ -236,7 +236,7 @@ def _direction(load: Load) -> tuple[float, ...]:
 SMALLEST_BODY = 2.0
 
 
-class NotIdealisable(ModelError):
+class NotIdealisable(CaseError):
     """There is no half-plane problem for a case; `reasons` says why, one by one."""
 
     def __init__(self, case: Case, reasons: list[str]) -> None:

@@ -20,7 +20,7 @@ from cases.pad_cases import PAD
 import fretfe
 from fretfe.case import parse_case
 from fretfe.checked import check
-from fretfe.errors import FretfeError, ModelError
+from fretfe.errors import CaseError, FretfeError, ModelError
 
 DECK = (
     f"*NODE\n{NODES}*ELEMENT, TYPE=CPE4, ELSET=LOW\n{LOW}*ELEMENT, TYPE=CPE4, ELSET=UP\n{UP}"
@@ -477,32 +477,48 @@ def test_the_cause_is_named(tmp_path: Path, row: Row) -> None:
     assert row.exit_code == MODEL_FAULT or message.startswith(str(tmp_path / "case.toml"))
 
 
+GAP = "s [mm], gap [mm]\n-1, 1e6\n1, 1e6\n"
 HALF_PLANES = {
     "slides": (
+        ModelError,
         "the contact slides",
         {"loads.shear.history": [HOLD, {**SHEAR, "amplitude": 300.0}]},
     ),
-    "pulled": ("the contact is open", {"loads.press.history": [{**PRESS, "ramp": 600.0}]}),
+    "pulled": (
+        ModelError,
+        "the contact is open",
+        {"loads.press.history": [{**PRESS, "ramp": 600.0}]},
+    ),
     "other-unit": (
+        CaseError,
         "bodies.upper.young",
         {"bodies.upper.young": 0.21, "bodies.lower.young": 0.21},
     ),
-    "small-body": ("found a width or height of 1", {"geometry.parameters.lower_width": 1.0}),
+    "small-body": (
+        CaseError,
+        "found a width or height of 1",
+        {"geometry.parameters.lower_width": 1.0},
+    ),
     "displacement": (
+        CaseError,
         "loads.press: expected control = 'force'",
         {"loads.press.control": "displacement"},
     ),
-    "frictionless": ("f P = 0", {"contacts.main.friction": 0.0}),
+    "frictionless": (ModelError, "f P = 0", {"contacts.main.friction": 0.0}),
+    "gap": (CaseError, "contacts.main.gap: expected the gap", {"contacts.main.gap": "gap.csv"}),
+    "stress": (CaseError, "output.stress_depths", {"output.stress_depths": [0.0]}),
 }
 
 
-@pytest.mark.parametrize(("cause", "changes"), HALF_PLANES.values(), ids=HALF_PLANES)
+@pytest.mark.parametrize(("kind", "cause", "changes"), HALF_PLANES.values(), ids=HALF_PLANES)
 def test_half_planes_are_refused_for_the_cause(
-    tmp_path: Path, cause: str, changes: Mapping[str, Any]
+    tmp_path: Path, kind: type[FretfeError], cause: str, changes: Mapping[str, Any]
 ) -> None:
     """It stands in the first reason, if there are several."""
-    with pytest.raises(ModelError) as caught:
+    (tmp_path / "gap.csv").write_text(GAP)
+    with pytest.raises(FretfeError) as caught:
         fretfe.run(parse_case(changed(PAD, changes), tmp_path / "case.toml"), "halfplane")
+    assert caught.type is kind
     title, *reasons = str(caught.value).splitlines()
     assert "the backend 'halfplane' cannot solve this case" in title
     assert cause in "".join(reasons[:3])
