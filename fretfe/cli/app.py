@@ -24,7 +24,7 @@ from fretfe.environment import (
     missing_package,
     rank_from_environment,
 )
-from fretfe.errors import DependencyError, FretfeError, MemoryShortError, OutputError
+from fretfe.errors import CaseError, DependencyError, FretfeError, MemoryShortError, OutputError
 from fretfe.files import disk_reason
 from fretfe.terminal import patient_streams
 
@@ -140,6 +140,7 @@ def _run() -> None:
         SystemExit: with the exit code, at its end.
     """
     try:
+        _require_text()
         app()
     except FretfeError as error:
         short = isinstance(error, MemoryShortError)
@@ -152,6 +153,19 @@ def _run() -> None:
         if reason := missing_folder():
             _finish(OutputError.exit_code, f"fretfe: error: {reason}")
         _finish(1, traceback.format_exc(), alone=True)
+
+
+def _require_text() -> None:
+    """Check that names of files are UTF-8 text, as case files, results and libraries need them.
+
+    Raises:
+        CaseError: with the first word of the command line, or the working folder, that is not.
+    """
+    # Names of files are relative to the working folder, where there are any.
+    named = len(sys.argv) > 2 and not PRINTING & {*sys.argv} and not missing_folder()
+    for word in [*sys.argv[1:], *([os.getcwd()] if named else [])]:
+        if any("\udc80" <= letter <= "\udcff" for letter in word):
+            raise CaseError(f"expected names in UTF-8, found {word!a}: rename it, or link to it")
 
 
 def _finish(code: int, message: str, *, alone: bool = False) -> None:

@@ -85,17 +85,13 @@ def _propose(deck: Path) -> None:
     try:
         check_case(parse_case(tomllib.loads(text), source))
     except FretfeError as error:
-        print("# This case cannot be solved yet:")
-        print("#", str(error).replace("\n", "\n# "))
+        print("# This case cannot be solved yet:\n#", str(error).replace("\n", "\n# "))
         code = error.exit_code
     else:
         print("# This case is valid: write it to a file beside the deck.")
     if found.lacks:
-        things = (
-            "one thing of the deck is"
-            if found.lacks == 1
-            else f"{found.lacks} things of the deck are"
-        )
+        many = f"{found.lacks} things of the deck are"
+        things = "one thing of the deck is" if found.lacks == 1 else many
         print(f"# It is not the deck: {things} not in it, see 'not taken over'.")
     raise typer.Exit(code)
 
@@ -117,11 +113,10 @@ def _print(checked: Checked, ranks: int | None) -> None:
     warnings: Iterable[str] = ()
     proposals = tuple(propose(checked))
     if not any(stiffness_doubts(case)):
-        warnings = tuple(pressure_doubts(case, checked.mesh, history, checked.middles))
+        given = case, checked.mesh, history, checked.middles
+        warnings = tuple(pressure_doubts(*given))
         if not warnings and case.edges.tolerance is None:
-            coarse = coarse_contacts(
-                case, checked.mesh, history, checked.middles, advise=not proposals
-            )
+            coarse = coarse_contacts(*given, advise=not proposals)
             warnings = (*coarse, *end_warning(case, checked.mesh))
     for warning in (*warnings, *missed_gaps(case, checked.pairs)):
         console.print(f"Warning: {warning}", highlight=False, markup=False)
@@ -147,9 +142,8 @@ def _print(checked: Checked, ranks: int | None) -> None:
         console.print(f"Note: without contact {'; '.join(free)}.", highlight=False, markup=False)
     for note in checked.notes:
         console.print(f"Note: {note}.", highlight=False, markup=False)
-    cycle = "no cycle to evaluate"
-    if words := cycle_words(history, case.units.time):
-        cycle = f"evaluated cycle {words}"
+    words = cycle_words(history, case.units.time)
+    cycle = f"evaluated cycle {words}" if words else "no cycle to evaluate"
     if more := most_added(case, history, checked.mesh.dimension):
         cycle += f", {more} more at most until it is steady"
     if case.edges.tolerance is not None:

@@ -19,6 +19,7 @@ from typer.testing import CliRunner
 
 import fretfe
 from fretfe.cli import app as cli
+from fretfe.errors import CaseError
 
 ROOT = Path(__file__).parents[2]
 GUIDE = (ROOT / "docs" / "command-line.md").read_text("utf-8")
@@ -208,3 +209,34 @@ def test_short_help_is_the_long_one(command: tuple[str, ...]) -> None:
 def test_version() -> None:
     done = CliRunner().invoke(cli.app, ["--version"])
     assert (done.exit_code, done.output) == (0, f"fretfe {fretfe.__version__}\n")
+
+
+@pytest.mark.parametrize(
+    ("folder", "words"),
+    [
+        (b".", ["check", b"caf\xe9/pad.toml"]),
+        (b".", ["run", b"caf\xe9/pad.toml", "-o", "out"]),
+        (b".", ["run", "none.toml", "-o", b"caf\xe9/out", "--backend", "halfplane"]),
+        (b".", ["report", b"caf\xe9"]),
+        (b"caf\xe9", ["check", "pad.toml"]),
+    ],
+    ids=["check", "run", "output", "report", "working-folder"],
+)
+def test_names_that_are_not_utf8_are_refused(
+    tmp_path: Path, folder: bytes, words: list[str | bytes]
+) -> None:
+    """Neither a case as it was run nor the libraries of meshes and fields can name them."""
+    place = os.path.join(os.fsencode(tmp_path), folder)
+    os.makedirs(os.path.join(place, b"caf\xe9"))
+    done = subprocess.run([sys.executable, "-m", "fretfe", *words], cwd=place, capture_output=True)
+    assert done.returncode == CaseError.exit_code
+    text = done.stderr.decode()
+    assert "expected names in UTF-8" in text and "caf\\udce9" in text
+    assert "Traceback" not in text
+
+
+def test_a_working_folder_without_utf8_has_help(tmp_path: Path) -> None:
+    place = os.path.join(os.fsencode(tmp_path), b"caf\xe9")
+    os.makedirs(place)
+    words = [sys.executable, "-m", "fretfe", "run", "--help"]
+    assert subprocess.run(words, cwd=place, capture_output=True).returncode == 0
