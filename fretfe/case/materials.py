@@ -36,8 +36,7 @@ from fretfe.terminal import one_line
 PURE = ("poisson", "expansion")
 CONSTANTS = ("young", "poisson", "elastic", "density", "expansion")
 ELASTIC = ("young", "poisson", "elastic")
-# Bytes, and characters.
-LARGEST_FILE = 1_000_000
+# Characters.
 LONGEST_NAME = 1000
 # Coefficients of friction up to about this one are measured.
 LARGEST_FRICTION = 2.0
@@ -125,7 +124,7 @@ def read_material(path: Path) -> MaterialFile:
     Raises:
         CaseError: it is none; all problems are listed.
     """
-    data = read_tables(path, "a material file (TOML)", LARGEST_FILE)
+    data = read_tables(path, "a material file (TOML)")
     try:
         return MaterialFile.model_validate(data)
     except ValidationError as error:

@@ -98,12 +98,11 @@ def with_overrides(
 
 def _plain(value: Any, source: Path) -> Any:
     try:
-        plain = plain_value(value)
+        if (keys := key_count(value)) > MOST_KEYS:
+            raise CaseError(f"{source}: {TOO_MANY.format(keys)}")
+        return plain_value(value)
     except RecursionError:
         raise CaseError(f"{source}: {TOO_DEEP}") from None
-    if (keys := key_count(plain)) > MOST_KEYS:
-        raise CaseError(f"{source}: {TOO_MANY.format(keys)}")
-    return plain
 
 
 def _require_new(path: tuple[str, ...], before: Mapping[tuple[str, ...], str]) -> None:

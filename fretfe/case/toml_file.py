@@ -3,7 +3,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 import tomllib
 from collections.abc import Mapping
@@ -18,23 +17,24 @@ DEEPEST = 20
 TOO_DEEP = f"expected tables and lists at most {DEEPEST} deep in one another, found deeper ones"
 # Keys of all tables of a case: each of them is looked at, and may be a problem to be told.
 MOST_KEYS = 1000 * DEEPEST
+# What tomllib reads in a second; histories with so many values go into CSV files.
+MOST_BYTES = 50 * MOST_KEYS
 TOO_MANY = (
     f"expected at most {MOST_KEYS} keys in all tables, found {{}}; long histories go into CSV files"
 )
 
 
-def read_tables(source: Path, what: str, most: float = math.inf) -> dict[str, Any]:
+def read_tables(source: Path, what: str) -> dict[str, Any]:
     """Read the tables of a TOML file.
 
     Args:
         source: the file.
         what: it is expected to be, for messages.
-        most: bytes that it may have.
 
     Raises:
         CaseError: if it cannot be read, or is not TOML.
     """
-    text = _read(source, what, most)
+    text = _read(source, what)
     # To read them would take a minute.
     if (keys := text.count("=") + text.count("\n[")) > MOST_KEYS:
         raise CaseError(f"{source}: {TOO_MANY.format(keys)}")
@@ -51,10 +51,10 @@ def read_tables(source: Path, what: str, most: float = math.inf) -> dict[str, An
 
 
 def key_count(value: Any) -> int:
-    """Number of keys of all tables in a value in the types of TOML."""
-    if isinstance(value, dict):
+    """Number of keys of all tables in a value that a file or a program gives."""
+    if isinstance(value, Mapping):
         return len(value) + sum(map(key_count, value.values()))
-    return sum(map(key_count, value)) if isinstance(value, list) else 0
+    return sum(map(key_count, value)) if isinstance(value, list | tuple) else 0
 
 
 def plain_value(value: Any, depth: int = 0) -> Any:
@@ -76,12 +76,12 @@ def plain_value(value: Any, depth: int = 0) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _read(source: Path, what: str, most: float) -> str:
+def _read(source: Path, what: str) -> str:
     require_file(source, what, CaseError)
     try:
-        if (size := source.stat().st_size) > most:
-            text = f"expected {what} of at most {most:g} bytes, found {size}"
-            raise CaseError(f"{source}: {text}")
+        if (size := source.stat().st_size) > MOST_BYTES:
+            text = f"of at most {MOST_BYTES:g} bytes, found {size}; CSV files hold more"
+            raise CaseError(f"{source}: expected {what} {text}")
         return source.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = error.object.count(b"\n", 0, error.start) + 1

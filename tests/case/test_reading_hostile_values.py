@@ -5,6 +5,7 @@ from __future__ import annotations
 
 import copy
 import os
+import time
 from pathlib import Path
 from typing import Any
 
@@ -159,3 +160,19 @@ def test_a_damaged_note_of_a_run(tmp_path: Path, text: str) -> None:
     (tmp_path / "run.json").write_text(text)
     with pytest.raises(OutputError, match=r"damaged.*run the case without --resume, which starts"):
         read_mark(tmp_path)
+
+
+def test_files_that_take_long_to_read_are_refused_by_their_size(tmp_path: Path) -> None:
+    """Neither keys nor tables: a list alone takes TOML ten seconds."""
+    path = tmp_path / "case.toml"
+    path.write_text(f"values = [{', '.join(['1'] * 3_000_000)}]\n")
+    start = time.perf_counter()
+    with pytest.raises(CaseError, match="of at most 1e\\+06 bytes, found 9000010; CSV files hold"):
+        load_case(path)
+    assert time.perf_counter() - start < 1.0  # thousands of times what it takes
+
+
+def test_tables_of_a_program_are_counted_before_they_are_copied() -> None:
+    tables = {"bodies": dict.fromkeys(map(str, range(1_000_000)), 1)}
+    with pytest.raises(CaseError, match="at most 20000 keys in all tables, found 1000001"):
+        load_case(tables)
