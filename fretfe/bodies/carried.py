@@ -16,17 +16,16 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
-from fretfe.bodies.loads.spread import SpreadLoad
-from fretfe.bodies.rigid_modes import (
+from fretfe.bodies.free_motions import (
     TURNING,
     Freedom,
     RigidMotions,
     Seat,
     free_motions,
-    in_words,
-    joined,
     rigid_motions,
 )
+from fretfe.bodies.loads.spread import SpreadLoad
+from fretfe.bodies.rigid_modes import in_words, joined
 from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
 from fretfe.loads import History

@@ -17,7 +17,7 @@ from fretfe._typing import Array, Indices
 from fretfe.bodies.loads.kinds import spread_loads
 from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.case import Case, unit_vector
-from fretfe.case.model import holders
+from fretfe.case.holders import holders
 from fretfe.loads import History
 from fretfe.loads.friction import read_coefficients
 from fretfe.mesh.mesh import Mesh

@@ -13,6 +13,7 @@ from pydantic import Field, PrivateAttr, model_validator
 
 from fretfe.case.base import AXES, Name, Table, unit_vector
 from fretfe.case.bodies import AnyBody, Given, OverTemperature
+from fretfe.case.holders import ORTHOGONALITY, holders, platens, shown
 from fretfe.case.loads import (
     AccelerationLoad,
     Along,
@@ -45,9 +46,6 @@ OVER_TEMPERATURE = {
     "Crystal": ("density", "expansion"),
     "Elastic": ("cubic", "constants"),
 }
-# Sine of the angle by which two platen directions may miss a right angle: vectors typed with six
-# digits pass, a slip of a degree does not.
-ORTHOGONALITY = 1e-5
 # Distance of two axes over that of their points from the origin, up to which they are one.
 SAME_AXIS = 1e-6
 
@@ -117,81 +115,19 @@ def _held_surface_problems(
             )
 
 
-class Holder(NamedTuple):
-    """A table that holds a boundary, or moves it by more than a force.
-
-    Attributes:
-        key: of the table.
-        boundary: that is held.
-        directions: unit vectors (3,) at right angles along which it is held, or of a platen those
-            in which forces move it.
-        platen: whether it is held across its directions, not along them.
-    """
-
-    key: str
-    boundary: str
-    directions: tuple[tuple[float, ...], ...]
-    platen: bool = False
-
-    def carries(self, force: tuple[float, ...]) -> tuple[float, ...]:
-        """The part (3,) of a force (3,) that it carries."""
-        rest = force
-        for each in self.directions:
-            size = sum(a * b for a, b in zip(force, each, strict=True))
-            rest = tuple(a - size * b for a, b in zip(rest, each, strict=True))
-        return rest if self.platen else tuple(a - b for a, b in zip(force, rest, strict=True))
-
-    def carried(self, direction: Along) -> str:
-        """What is wrong with a load on its boundary along a direction; empty if nothing is."""
-        part = self.carries(unit_vector(direction, 3))
-        axes = [axis for axis, size in zip(AXES, part, strict=True) if abs(size) > ORTHOGONALITY]
-        if not axes:
-            return ""
-        return (
-            f"expected a load that moves its boundary, found that it acts on {self.boundary!r}, "
-            f"which {self.key} holds along {axes[0] if len(axes) == 1 else _shown(part)}: that "
-            f"carries {math.hypot(*part):.0%} of it; let it go there, or load another boundary"
-        )
-
-
-def holders(supports: Mapping[str, Support], loads: Mapping[str, Load]) -> Iterator[Holder]:
-    """All that holds a boundary along directions that are the same everywhere."""
-    for name, support in supports.items():
-        own = [axis for axis in support.fix if axis in AXES]
-        vectors = [unit_vector(each, 3) for each in (*own, support.direction) if each is not None]
-        yield Holder(f"supports.{name}", support.boundary, tuple(vectors))
-    for on, name in _platens(loads).items():
-        platen = [each for each in loads.values() if each.rigid and each.on == on]
-        forces = tuple(unit_vector(each.push, 3) for each in platen if each.push)
-        yield Holder(f"loads.{name}", on, forces, platen=True)
-    for name, load in loads.items():
-        if load.moves and load.on:
-            along = () if load.along is None else (unit_vector(load.along, 3),)
-            yield Holder(f"loads.{name}", load.on, along, platen=load.along is None)
-
-
-def _platens(loads: Mapping[str, Load]) -> dict[str, str]:
-    """Platen boundaries and the first load of each."""
-    platens: dict[str, str] = {}
-    for name, load in loads.items():
-        if load.rigid:
-            platens.setdefault(load.on, name)
-    return platens
-
-
 def _platen_problems(
     contacts: Mapping[str, Contact], supports: Mapping[str, Support], loads: Mapping[str, Load]
 ) -> Iterator[Problem]:
     uses: list[tuple[Key, str]] = [*_surfaces(contacts)]
     uses += [(("supports", name, "boundary"), each.boundary) for name, each in supports.items()]
     uses += [(("loads", name, "boundary"), load.on) for name, load in loads.items() if load.moves]
-    platens = _platens(loads)
+    found = platens(loads)
     for key, boundary in uses:
-        if boundary in platens:
+        if boundary in found:
             yield Problem(
                 key,
                 f"expected a boundary that is not a platen, found {boundary!r}, the platen of "
-                f"loads.{platens[boundary]} (a platen is rigid and held in every direction "
+                f"loads.{found[boundary]} (a platen is rigid and held in every direction "
                 "without a load)",
             )
 
@@ -210,15 +146,9 @@ def _platen_direction_problems(loads: Mapping[str, Load]) -> Iterator[Problem]:
                 yield Problem(
                     ("loads", name2, key),
                     f"expected {'an' if key == 'axis' else 'a'} {key} at right angles to that of "
-                    f"loads.{name1} on the same platen {load1.on!r}, found {_shown(found2)} "
-                    f"and {_shown(found1)}",
+                    f"loads.{name1} on the same platen {load1.on!r}, found {shown(found2)} "
+                    f"and {shown(found1)}",
                 )
-
-
-def _shown(direction: Along) -> str:
-    if isinstance(direction, str):
-        return repr(direction)
-    return "[" + ", ".join(f"{component:.6g}" for component in direction) + "]"
 
 
 def _displacement_problems(
@@ -364,7 +294,7 @@ def _load_axis_problems(
             yield Problem(
                 ("loads", key, "direction"),
                 f"expected an acceleration along the axis of symmetry.{name}, found "
-                f"{_shown(load.direction)}, by which the sectors are not loaded alike",
+                f"{shown(load.direction)}, by which the sectors are not loaded alike",
             )
 
 

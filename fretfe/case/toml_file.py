@@ -18,7 +18,7 @@ TOO_DEEP = f"expected tables and lists at most {DEEPEST} deep in one another, fo
 # Keys of all tables of a case: each of them is looked at, and may be a problem to be told.
 MOST_KEYS = 1000 * DEEPEST
 # What tomllib reads in a second; histories with so many values go into CSV files.
-MOST_BYTES = 50 * MOST_KEYS
+LARGEST_FILE = 50 * MOST_KEYS
 TOO_MANY = (
     f"expected at most {MOST_KEYS} keys in all tables, found {{}}; long histories go into CSV files"
 )
@@ -79,8 +79,8 @@ def plain_value(value: Any, depth: int = 0) -> Any:
 def _read(source: Path, what: str) -> str:
     require_file(source, what, CaseError)
     try:
-        if (size := source.stat().st_size) > MOST_BYTES:
-            text = f"of at most {MOST_BYTES:g} bytes, found {size}; CSV files hold more"
+        if (size := source.stat().st_size) > LARGEST_FILE:
+            text = f"of at most {LARGEST_FILE:g} bytes, found {size}; CSV files hold more"
             raise CaseError(f"{source}: expected {what} {text}")
         return source.read_bytes().decode("utf-8-sig")
     except UnicodeDecodeError as error:

@@ -30,8 +30,8 @@ from scipy.linalg import qr
 from fretfe._typing import Array, Indices
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie
+from fretfe.bodies.free_motions import rigid_motions
 from fretfe.bodies.loads.spread import SpreadLoad
-from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
 from fretfe.fem.elasticity import ElasticBody, PlacedNodes

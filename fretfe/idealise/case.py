@@ -17,7 +17,7 @@ from fretfe.case import (
     isotropic,
     unit_vector,
 )
-from fretfe.case.model import holders
+from fretfe.case.holders import holders
 from fretfe.errors import CaseError, ModelError
 from fretfe.idealise.bodies import (
     LOWER,

@@ -14,8 +14,8 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.bodies.constraints import Constraint
+from fretfe.bodies.free_motions import rigid_motions
 from fretfe.bodies.loads.spread import Rotation, SpreadLoad, Traction
-from fretfe.bodies.rigid_modes import rigid_motions
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
