@@ -14,7 +14,7 @@ import fretfe
 from fretfe.analytic.profiles import composite_modulus
 from fretfe.case import parse_case
 from fretfe.caution import Kind
-from fretfe.errors import ModelError
+from fretfe.errors import CaseError
 from fretfe.history.solution import OPEN, STICK
 from fretfe.results.model import Result
 
@@ -98,7 +98,7 @@ def test_slip_zones_on_a_thick_layer_are_known() -> None:
 
 
 def test_bodies_must_be_large_against_a_contact_that_a_soft_layer_makes_wide() -> None:
-    with pytest.raises(ModelError, match="expected bodies larger than 2 times"):
+    with pytest.raises(CaseError, match="expected bodies larger than 2 times"):
         solved(2000.0)
 
 

@@ -24,7 +24,7 @@ from reference.closed_forms import closed_contact
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
 from fretfe.case import parse_case
-from fretfe.errors import ModelError
+from fretfe.errors import FretfeError
 from fretfe.idealise import NotIdealisable, idealise, obstacles
 from fretfe.idealise.problem import contact_edges, governing_length
 
@@ -288,7 +288,7 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
 @pytest.mark.parametrize(("tables", "reason"), REASONS.values(), ids=REASONS)
 def test_reasons(tables: dict[str, Any], reason: str) -> None:
     case = parse_case(pad(**tables))
-    with pytest.raises(ModelError) as raised:
+    with pytest.raises(FretfeError) as raised:
         idealise(case)
     assert reason in str(raised.value)
     found = obstacles(case)
