@@ -434,15 +434,16 @@ def _motion(model: Model, pair: Pair, history: ContactHistory, recorder: Recorde
         slope=slope,
         stretch=stretch,
         curvature=float(curvature.max()),
-        turning=float((curvature.min(axis=0) / (1 + _ratio(curvature))).max()),
+        turning=float(_in_series(curvature).max()),
         share=mean_share(history.surface.frames[:, 0, : points.shape[1]], -normals[0], normals[1]),
     )
 
 
-def _ratio(curvature: Array) -> Array:
-    """(n,) smaller over the larger of two curvatures (2, n), 1 where both are 0."""
+def _in_series(curvature: Array) -> Array:
+    """(n,) curvature of the sum of both radii, of curvatures (2, n); 0 next to a flat."""
     low, high = curvature.min(axis=0), curvature.max(axis=0)
-    return np.divide(low, high, out=np.ones_like(low), where=high > 0)
+    ratio = np.divide(low, high, out=np.ones_like(low), where=high > 0)
+    return np.asarray(low / (1 + ratio))
 
 
 def _along_arc(history: ContactHistory) -> Derive:
