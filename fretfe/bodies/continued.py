@@ -199,11 +199,9 @@ def _with_gap(case: Case, pair: Pair, surface: ContactSurface, given: OverSurfac
             f"{place_text(surface.points[deepest])}: add that to all values, or press them "
             "together by an 'interference'"
         )
-    if surface.facets is None:
-        bodies = case.bodies[pair.body1], case.bodies[pair.body2]
-        modulus = contact_modulus(*bodies, case.model.plane, surface.mean_normal)
-        surface = replace(surface, added_gap=modulus * mean)
-    return replace(coupling, surface=surface, gap=gap)
+    bodies = case.bodies[pair.body1], case.bodies[pair.body2]
+    modulus = contact_modulus(*bodies, case.model.plane, surface.mean_normal)
+    return replace(coupling, surface=replace(surface, added_gap=modulus * added), gap=gap)
 
 
 def between_surfaces(case: Case, pair: Pair) -> Iterator[str]:

@@ -38,8 +38,7 @@ class ContactSurface:
         layer: (2,) E* times the compliances of a layer to pressure and to shear, the largest all
             over the surface: lengths over which tractions next to an edge are rounded off; None
             without a layer.
-        added_gap: (N,) E* times the gap that a case adds between plane bodies, in the mean around
-            each node; None without one.
+        added_gap: (N,) E* times the gap that a case adds; None without one.
     """
 
     arc: Array

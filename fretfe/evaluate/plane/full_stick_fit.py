@@ -37,8 +37,6 @@ OVERHANG = {1: 0.98, 2: 0.57}
 # The same of an exact Galerkin solution, without any displacement degree.
 GALERKIN_OVERHANG = 0.53
 OVERHANG_UNCERTAINTY = 0.05
-# Bound of the search; GALERKIN_OVERHANG, and more for finite elements.
-LARGEST_OVERHANG = 1.6
 
 
 @dataclass(frozen=True)
@@ -230,21 +228,6 @@ def effective_edges(x: Array, q: Array, overhang: float) -> Array:
     return np.array(increments(x, q.reshape(-1, x.size)).ends(overhang))
 
 
-def effective_overhang(x: Array, q: Array) -> float:
-    """Return the overhang that an increment shows; x, q (n,), at least 16 nodes in contact.
-
-    To calibrate a discretisation on an increment whose mismatch is next to linear, such as a shear
-    force between bodies that are large against the contact. Any other increment misleads.
-
-    Raises:
-        ValueError: if ``q`` is zero everywhere or too few nodes are in contact.
-    """
-    data = increments(x, q[None])
-    check_range("nodes in contact", data.inside.size, low=16)
-    found = [_overhang(data, window, n) for window in windows(data.inside) for n in (1, 2, 3)]
-    return float(np.median(found))
-
-
 def _terms(data: Increments, edges: Array, overhang: float) -> tuple[Array, Array, Array]:
     """Return k, beta and the spread of k, (2, states, increments) each, that all fits agree on."""
     if not windows(data.inside):
@@ -266,22 +249,3 @@ def _fits_last(part: Array) -> Array:
     """Return (2, states, increments, fits) from (states, 2, windows, orders, increments)."""
     states, edges, *_, increments = part.shape
     return part.reshape(states, edges, -1, increments).transpose(1, 0, 3, 2)
-
-
-def _overhang(data: Increments, window: Positions, terms: int) -> float:
-    """Return the overhang that fits best, within 0 ... LARGEST_OVERHANG.
-
-    Only for an increment of which so few terms hold all: a truncated series hides in the overhang.
-    """
-
-    def squares(overhang: float) -> float:
-        model = data.model(window, terms, overhang)
-        target = data.force[0, window] - data.force[0, -1] * model[:, 0]
-        rest = np.linalg.lstsq(model[:, 1:], target)[0]
-        return float(np.sum((model[:, 1:] @ rest - target) ** 2))
-
-    # Imported where it is needed: it takes as long as all other imports of a check.
-    from scipy.optimize import minimize_scalar
-
-    bounds = (0.0, LARGEST_OVERHANG)
-    return float(minimize_scalar(squares, bounds=bounds, method="bounded").x)

@@ -15,6 +15,7 @@ from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.slip import FindBorder
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
+from fretfe.evaluate.space.gap_shape import fit_similar
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.space.range_spread import unresolved
 from fretfe.evaluate.space.sectors import Frames
@@ -147,7 +148,7 @@ def moved_stations(
     neighbours, count = contact.nearby_loads, len(front.sectors)
     if neighbours is None:
         return (MovedEdge(reason=NO_LOADS),) * count
-    fit = front.fits.fit(neighbours.pressure)
+    fit = fit_similar(contact, front, neighbours.pressure)
     outward, spread = fit.place[0] - fit.place[1], np.linalg.norm(fit.place_spread, axis=0)
     near = np.abs(fit.place).max(axis=0) <= NEAR * front.sizes
     k_i = neighbours.k_i[:, stations]

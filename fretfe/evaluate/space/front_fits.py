@@ -5,7 +5,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 
@@ -17,8 +16,8 @@ from fretfe.evaluate.missing_shear import (
     without_every_other,
     without_missing,
 )
-from fretfe.evaluate.space.pressure_fit import FrontFit, FrontFitter
-from fretfe.evaluate.space.sectors import Frames, Sector
+from fretfe.evaluate.space.gap_shape import fit_similar
+from fretfe.evaluate.space.pressure_fit import Curve, FrontFit, FrontFitter
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import blocks
 
@@ -31,15 +30,6 @@ BEGIN = 2.0
 # Elements from the front in which nothing is known of the shear that is missing: the status of the
 # outermost nodes means nothing.
 OUTERMOST = 1.0
-
-
-class Curve(Protocol):
-    """Stations of a front, and its fits."""
-
-    frames: Frames
-    sectors: tuple[Sector, ...]
-    depth: Array
-    fits: FrontFitter
 
 
 class _Rows:
@@ -128,7 +118,7 @@ def fit_states(contact: ContactHistory, curve: Curve, states: Indices) -> Array:
         if rows:
             fits = _unlike_fit(contact, curve.fits, rows, traction)
         else:
-            fits = curve.fits.fit(traction[..., 0])
+            fits = fit_similar(contact, curve, traction[..., 0])
         parts.append(np.array([*vars(fits).values()]))
     return np.concatenate(parts, axis=1)
 

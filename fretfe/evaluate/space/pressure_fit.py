@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cache
+from typing import Protocol
 
 import numpy as np
 from scipy.interpolate import CubicSpline
@@ -24,7 +25,7 @@ from fretfe._core import _kernels
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.numerics import average
-from fretfe.evaluate.space.sectors import Sector
+from fretfe.evaluate.space.sectors import Frames, Sector
 
 # Distances between bumps, in elements, and numbers of bumps: the windows of the fits.
 SPACINGS = (1.0, 1.5, 2.0, 3.0)
@@ -191,6 +192,15 @@ class FrontFitter:
         reach = np.array([spacing * (count - 1 + REACH) for spacing, count in WINDOWS])
         far = reach * self._sizes[:, None] > CONVERGES * typical
         return np.asarray(far & (reach > SHORTEST))
+
+
+class Curve(Protocol):
+    """Stations of a front, and its fits."""
+
+    frames: Frames
+    sectors: tuple[Sector, ...]
+    depth: Array
+    fits: FrontFitter
 
 
 def _joined(

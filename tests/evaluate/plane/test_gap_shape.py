@@ -58,7 +58,6 @@ class Waves:
         nodes: Array = np.asarray((np.arange(-count, count + 1) + phase) * size, dtype=np.float64)
         pressure = press(nodes, self.second_integral, LOAD).pressure[None]
         added = MODULUS * (self.gap(nodes) - nodes**2 / (2 * RADIUS))
-        added[1:-1] += np.diff(added, 2) / 12  # the mean around a node
         fits = [fit_edge(each, solved=True) for each in plane_sections(nodes, pressure)]
         return fits, with_gap_shape(fits, contact(nodes, added), pressure)
 
