@@ -142,11 +142,10 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
             )
     places = {name: number for number, name in enumerate(solution.coordinates)}
     forces = thickness * solution.driver_values[states]
-    largest = np.abs(forces).max(initial=0.0)
     varying = [
         number
         for number, name in enumerate(solution.drivers)
-        if name in places and np.ptp(forces[:, number]) > DRIVES * largest
+        if name in places and np.ptp(forces[:, number]) > DRIVES * np.abs(forces).max()
     ]
     if not varying:
         raise OutputError(
@@ -205,12 +204,13 @@ def _both_moved(
     """Displacements as of `_moved_by_slip`, and with the edges farther out by their error bars.
 
     Where no edge is fitted, the singularity is where the elements have it, give or take one of
-    them; as well with a layer, which has none. Nothing is stretched on solids; their bar is that of
-    the work.
+    them; as well with a layer, which has none. Nothing is stretched on solids, whose bar has that
+    of the work, and what the place of the edge leaves open.
     """
     arc = history.surface.arc
     if contact.solid:
         moved = _moved_by_slip(history, states)
+        bar += _edge_uncertainty(contact, history, states)
         return moved, moved * (1 + bar if math.isfinite(bar) else math.nan)
     overhang = OVERHANG[result.solution.degree] if result.bodies else GALERKIN_OVERHANG
     edges, next_ones = (_discrete_edges(history, states, overhang + more) for more in (0.0, 1.0))
@@ -230,6 +230,19 @@ def _both_moved(
         return _moved_by_slip(history, states, np.where(np.isnan(places), arc, places), ends)
 
     return moved_to(true), moved_to(true + outward)
+
+
+def _edge_uncertainty(contact: Contact, history: ContactHistory, states: Indices) -> float:
+    """Relative error 6 Δa/(u a) of slip between solids whose edges are off by Δa, u = Q/(f P).
+
+    Of a sphere, by Mindlin: stuck displacement goes with 1/a, and slip adds u/6 of it.
+    """
+    found = [(e.size, e.position_spread[states[-1]], e.depth) for e in contact.stations]
+    size, spread, depth = np.array(found).reshape(-1, 3).T
+    off = np.hypot(OVERHANG_UNCERTAINTY * size, spread) / depth
+    sums = np.einsum("n,tnc->tc", history.surface.weights, history.traction[states])
+    share = float(np.linalg.norm(np.ptp(sums[:, 1:], axis=0))) / sums[:, 0].max()
+    return 12 * history.friction.largest * max(off, default=math.nan) / max(share, 1e-300)
 
 
 def _discrete_edges(history: ContactHistory, states: Indices, overhang: float) -> Array:
