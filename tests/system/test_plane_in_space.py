@@ -157,6 +157,39 @@ def test_extruded_pad_is_the_plane_pad(order: int) -> None:
     compare_limits(plane, solid)
 
 
+def test_gaps_follow_sliding_in_an_extruded_pad_as_in_the_plane() -> None:
+    """With a rounding on the pad at one end, and on the block at the other one."""
+
+    def left(points: Array) -> Array:
+        x, y = points.T
+        return np.column_stack([x, y + (1 - y) * np.minimum(x + 0.2, 0.0) ** 2 / 4])
+
+    def right(points: Array) -> Array:
+        x, y = points.T
+        return np.column_stack([x, y - (1 + y) * np.maximum(x - 0.2, 0.0) ** 2 / 4])
+
+    x, y = np.linspace(-0.6, 0.6, 17), np.array([0.0, 0.15, 0.5, 1.0])
+    wide = np.linspace(-1.0, 1.0, 21)
+    parts = {
+        "pad": blocks.block("pad", x, y, order=1, mapping=left, cell="quadrilateral"),
+        "block": blocks.block(
+            "block", wide, -y[::-1], order=1, mapping=right, cell="quadrilateral"
+        ),
+    }
+    data, mesh = pad_case(), Mesh(parts)
+    data["model"]["degree"] = 1
+    data["contacts"]["main"]["friction"] = 0.0
+    slide = [{"hold": True, "until": 1}, {"ramp": 0.1, "until": 2, "steps": 2}]
+    data["loads"]["shear"] |= {"control": "displacement", "history": slide}
+    plane = solve_on(parse_case(data), mesh)
+    extruded = extrude(mesh, Solid(length=LENGTH, layers=2))
+    solid = solve_on(parse_case(as_solid(data) | NO_FRONTS), extruded)
+    (contact,), (flat,) = solid.solution.contacts, plane.solution.contacts
+    before, after = (np.asarray(flat.traction)[state, :, 0] for state in (-3, -1))
+    assert np.abs(after - before).max() > 0.05 * before.max()
+    compare_contacts(flat, contact, 1e-9)
+
+
 def pairing_error(result: Result) -> float:
     (found,) = (each.found for each in result.limits if "gap times rotation" in each.quantity)
     return found
