@@ -143,7 +143,7 @@ MISTAKES = {
         ["expected |Q| < f P", "Q = 300", "f P = 240", "at time 1.25"],
     ),
     "opening": (("ramp = -600", "ramp = 600"), 4, ["P > 0", "-150", "at time 0.25", "open"]),
-    "prescribed approach": (('"force"', '"displacement"'), 4, ["loads.press", "'displacement'"]),
+    "prescribed approach": (('"force"', '"displacement"'), 2, ["loads.press", "'displacement'"]),
 }
 
 
