@@ -282,7 +282,7 @@ def test_tables_in_tables_are_not_endless() -> None:
 
 def test_many_keys_are_refused_before_they_are_looked_at(tmp_path: Path) -> None:
     path = tmp_path / "case.toml"
-    path.write_text(pad_text() + "[many]\n" + "\n".join(f"k{i} = 1" for i in range(10**5)))
+    path.write_text(pad_text() + "[many]\n" + "\n".join(f"k{i} = 1" for i in range(6 * 10**4)))
     with pytest.raises(CaseError, match="at most 20000 keys"):
         load_case(path)
     with pytest.raises(CaseError, match="at most 20000 keys"):

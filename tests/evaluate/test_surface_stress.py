@@ -105,7 +105,7 @@ def test_depths_are_checked(depths: list[float], problem: str) -> None:
 
 def test_backends_without_bodies_refuse() -> None:
     case = parse_case(pad(output={"stress_depths": [0.0]}))
-    with pytest.raises(ModelError, match=r"output\.stress_depths: only the backend 'fem'"):
+    with pytest.raises(CaseError, match=r"output\.stress_depths: only the backend 'fem'"):
         Runner.find("halfplane").run(case)
 
 
