@@ -15,7 +15,7 @@ from cases.stored_runs import solved
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
-from fretfe.errors import CaseError, ModelError, OutputError
+from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.stress import EdgeStress
 from fretfe.evaluate.surface_stress import EdgeValue, edge_stress, near_edge
 from fretfe.results.hdf5_file import STRESSES, StressSite, StressWriter, read_stress
