@@ -512,7 +512,7 @@ def test_corner_nodes_alone_are_no_facet_of_order_2(tmp_path: Path) -> None:
         (replaced("\n4, 12, 15", "\n3, 12, 15"), "element 3 is defined twice"),
         (replaced("6, 5\n", "6,\n"), "element 2 of type CPE4R: expected 4 nodes, found 3"),
         (replaced("\n4, 12, 15, 16", "\n4, 12, 15, 99"), "has node 99, which is not defined"),
-        (replaced("1, 0., 0.\n", "1, zero, 0.\n"), "line 4: cannot read *NODE"),
+        (replaced("1, 0., 0.\n", "1, zero, 0.\n"), "line 5: cannot read *NODE"),
         (replaced("11, 14, 3", "11, 14, 0"), "cannot read *NSET"),
         (lambda text: "", "with nodes and elements, found 0 nodes and 0 elements"),
         (lambda text: "hello world\n" * 9, "line 1: expected a keyword"),
