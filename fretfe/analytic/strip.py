@@ -49,7 +49,7 @@ class StripContact:
 
 
 def strip_contact(along: Array, gap: Array, load: float) -> StripContact | None:
-    """The contact under a load; None where it is wider than the surfaces or in several parts.
+    """The contact under a load; None if it is wider than the surfaces, tiny, or in several parts.
 
     Args:
         along: (n,) places along the surface.
@@ -71,7 +71,10 @@ def strip_contact(along: Array, gap: Array, load: float) -> StripContact | None:
     first, last = np.searchsorted(loads, reached)
     begin = float(widths[first - 1]) if first else 0.0
     fine = np.linspace(begin, widths[min(last, WIDTHS - 1)], 2 * WIDTHS + 1)[1:]
-    found = _under(load, *_grown(x, slopes, widest, fine))
+    edges, loads = _grown(x, slopes, widest, fine)
+    if not loads[0] < load:
+        return None
+    found = _under(load, edges, loads)
     ends = np.array([along.min(), along.max()])
     reaches_end = bool((np.abs(found.edges - ends) < 1e-5 * widest).any())
     return None if reaches_end else found  # behind an end nothing is known

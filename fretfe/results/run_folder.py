@@ -215,7 +215,8 @@ def require_stored(path: Path) -> None:
     Raises:
         OutputError: if it is something else.
     """
-    if path.exists() and (fault := file_fault(path)):
+    # Of a name that cannot be opened `Path.exists` fails.
+    if os.path.exists(path) and (fault := file_fault(path)):
         raise OutputError(f"{path}: expected a file of results, found {fault}")
 
 
