@@ -72,12 +72,10 @@ def strip_contact(along: Array, gap: Array, load: float) -> StripContact | None:
     begin = float(widths[first - 1]) if first else 0.0
     fine = np.linspace(begin, widths[min(last, WIDTHS - 1)], 2 * WIDTHS + 1)[1:]
     edges, loads = _grown(x, slopes, widest, fine)
-    if not loads[0] < load:
-        return None
-    found = _under(load, edges, loads)
+    found = _under(load, edges, loads) if loads[0] < load else None
     ends = np.array([along.min(), along.max()])
-    reaches_end = bool((np.abs(found.edges - ends) < 1e-5 * widest).any())
-    return None if reaches_end else found  # behind an end nothing is known
+    # Behind an end nothing is known.
+    return found if found and (np.abs(found.edges - ends) >= 1e-5 * widest).all() else None
 
 
 def _middles(places: Array) -> Array:

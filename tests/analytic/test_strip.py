@@ -60,5 +60,6 @@ def test_nothing_is_said_of_several_parts_or_of_contacts_up_to_an_end() -> None:
     assert strip_contact(X, 0 * X, 1e-3) is None  # flat up to its corners
     assert strip_contact(X, X**2 / 100, 10.0) is None
 
+
 def test_of_a_contact_far_smaller_than_its_table_nothing_is_told() -> None:
     assert strip_contact(X, X**2 / 100, 1e-18) is None
