@@ -71,6 +71,15 @@ def wave(height: float, length: float, phase: float = 0.0) -> Waves:
     return Waves(((height, 2 * math.pi / length, phase),))
 
 
+def random_waves(random: np.random.Generator, count: int) -> Waves:
+    """Waves of any length, the shorter the lower."""
+    lengths = np.exp(random.uniform(math.log(0.25), math.log(3.0), count))
+    heights = random.normal(size=count) * lengths**2 / (4 * math.pi**2 * RADIUS)
+    phases = random.uniform(0.0, 2 * math.pi, count)
+    rows = zip(heights, 2 * math.pi / lengths, phases, strict=True)
+    return Waves(tuple((float(a), float(k), float(t)) for a, k, t in rows))
+
+
 HALF_A_WAVE = wave(5e-4, 0.6)
 PATCHES_OF_A_WAVE = wave(1e-3, 0.5)
 
@@ -174,11 +183,7 @@ def test_bars_hold_on_random_gaps() -> None:
     errors = []
     for seed in range(60):
         random = np.random.default_rng([61, seed])
-        lengths = np.exp(random.uniform(math.log(0.25), math.log(3.0), 1 + 4 * (seed % 2)))
-        heights = random.normal(size=lengths.size) * lengths**2 / (4 * math.pi**2 * RADIUS)
-        phases = random.uniform(0.0, 2 * math.pi, lengths.size)
-        rows = zip(heights, 2 * math.pi / lengths, phases, strict=True)
-        waves = Waves(tuple((float(a), float(k), float(t)) for a, k, t in rows))
+        waves = random_waves(random, 1 + 4 * (seed % 2))
         known = waves.exact()
         width = float(np.ptp(known.edges[known.main]))
         size = max(width / math.exp(random.uniform(math.log(20), math.log(140))), 0.003)

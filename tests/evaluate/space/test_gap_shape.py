@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from evaluate.plane.test_gap_shape import LOAD, MODULUS, RADIUS, Waves, wave
+from evaluate.plane.test_gap_shape import LOAD, MODULUS, RADIUS, Waves, random_waves, wave
 from reference.halfplane_galerkin import press
 from scipy.spatial import Delaunay
 
@@ -173,11 +173,7 @@ def test_bars_hold_on_random_gaps() -> None:
     ratios = []
     for seed in range(30):
         random = np.random.default_rng([61, seed])
-        lengths = np.exp(random.uniform(math.log(0.25), math.log(3.0), 1 + 4 * (seed % 2)))
-        heights = random.normal(size=lengths.size) * lengths**2 / (4 * math.pi**2 * RADIUS)
-        phases = random.uniform(0.0, 2 * math.pi, lengths.size)
-        rows = zip(heights, 2 * math.pi / lengths, phases, strict=True)
-        waves = Waves(tuple((float(a), float(k), float(t)) for a, k, t in rows))
+        waves = random_waves(random, 1 + 4 * (seed % 2))
         known = waves.exact()
         width = float(np.ptp(known.edges[known.main]))
         size = max(width / math.exp(random.uniform(math.log(20), math.log(140))), 0.004)
