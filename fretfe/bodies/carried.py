@@ -22,12 +22,12 @@ from fretfe.bodies.free_motions import (
     RigidMotions,
     Seat,
     free_motions,
-    rigid_motions,
 )
 from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.bodies.rigid_modes import in_words, joined
 from fretfe.case import Case, complaint
 from fretfe.errors import CaseError
+from fretfe.fields.rigid_motions import rigid_motions
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh, Mesh
 from fretfe.report.texts import rounded
@@ -103,7 +103,7 @@ class _Loaded:
         """Check that loads do no work in free motions of groups of bodies.
 
         Raises:
-            CaseError: names the loads that do, the one with the most of it first, and the motion.
+            CaseError: names the loads that do, and the motion.
         """
         free = free_motions(groups, self.mesh, self._seats(groups))
         works = dict(self._works(groups, free))
@@ -114,7 +114,7 @@ class _Loaded:
         if excess[worst] <= NO_WORK * np.abs(every).max(initial=0.0):
             return
         shares = np.abs(every[:, worst] @ total[worst]) / excess[worst] ** 2
-        names = sorted(compress(works, shares > NO_WORK), key=[*works].index)
+        names = [*compress(works, shares > NO_WORK)]
         remedy = "a support, or friction,"
         if any(body.tie is not None for group in groups for body in group):
             remedy = 'a support with fix = ["tangential"]'

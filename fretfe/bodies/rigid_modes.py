@@ -18,11 +18,11 @@ from fretfe.bodies.free_motions import (
     constraint_rows,
     free_motions,
     null_space,
-    rigid_motions,
 )
 from fretfe.case import Case
 from fretfe.contact.interface import Coordinate
 from fretfe.errors import CaseError, ModelError
+from fretfe.fields.rigid_motions import rigid_motions
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
 from fretfe.mesh.pieces import connected_groups, point_pieces
 from fretfe.surface.checks import place

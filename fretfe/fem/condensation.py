@@ -30,7 +30,6 @@ from scipy.linalg import qr
 from fretfe._typing import Array, Indices
 from fretfe.bodies.constraints import Constraint
 from fretfe.bodies.cyclic import Tie
-from fretfe.bodies.free_motions import rigid_motions
 from fretfe.bodies.loads.spread import SpreadLoad
 from fretfe.fem._compat import MPI, PETSc
 from fretfe.fem.bordered import BorderedFactor, unsymmetric_because
@@ -38,6 +37,7 @@ from fretfe.fem.elasticity import ElasticBody, PlacedNodes
 from fretfe.fem.restraints import Restraints
 from fretfe.fem.symmetric import SymmetricMatrix
 from fretfe.fem.timing import Clock
+from fretfe.fields.rigid_motions import rigid_motions
 
 
 @dataclass(frozen=True)

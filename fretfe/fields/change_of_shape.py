@@ -9,6 +9,7 @@ import numpy as np
 from scipy.linalg import orth
 
 from fretfe._typing import Array
+from fretfe.fields.rigid_motions import rigid_motions
 
 # Changes over the size of a boundary, beyond which a unit is doubted: 1e-5 is 2 MPa in steel, and
 # .05 is beyond the strain that linear elasticity describes.
@@ -40,25 +41,13 @@ def change_of_shape(places: Array, moved: Array, rounding: float = 0.0) -> float
     size = float(np.linalg.norm(arms))
     if size == 0:
         return math.nan
-    rigid = orth(_rigid_motions(arms))
+    rigid = orth(rigid_motions(arms).reshape(arms.size, -1))
     largest = 0.0
     for step in moved.reshape(len(moved), -1):
         left = float(np.linalg.norm(step - rigid @ (rigid.T @ step)))
         if left > max(ROUND_OFF, ROUNDINGS * rounding) * np.linalg.norm(step):
             largest = max(largest, left)
     return largest / size
-
-
-def _rigid_motions(arms: Array) -> Array:
-    """(m * d, 3 or 6) displacements by shifts and turns, at places (m, d) seen from a centre."""
-    size = arms.shape[1]
-    motions = [np.broadcast_to(axis, arms.shape) for axis in np.eye(size)]
-    for first in range(size):
-        for second in range(first):
-            turn = np.zeros_like(arms)
-            turn[:, second], turn[:, first] = -arms[:, first], arms[:, second]
-            motions.append(turn)
-    return np.stack([motion.ravel() for motion in motions], axis=1)
 
 
 def doubt_of_unit(places: Array, moved: Array, scale: float, rounding: float = 0.0) -> str:

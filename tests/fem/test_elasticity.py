@@ -14,12 +14,12 @@ from scipy.spatial import cKDTree
 
 from fretfe._typing import Array
 from fretfe.bodies.constraints import Constraint
-from fretfe.bodies.free_motions import rigid_motions
 from fretfe.bodies.loads.spread import Rotation, SpreadLoad, Traction
 from fretfe.fem._compat import MPI
 from fretfe.fem.condensation import Body, CondensedBody
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.timing import Clock
+from fretfe.fields.rigid_motions import rigid_motions
 from fretfe.materials.material import Material
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.surface.surface import build_surface
