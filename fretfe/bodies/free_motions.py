@@ -122,6 +122,7 @@ def free_motions(
     units = np.maximum(np.abs(by_force).max(axis=0, initial=1e-300), 1e-300)
     directions = null_space(np.hstack([held, by_force / units]))
     motions, amplitudes = np.split(directions, [len(held.T)])
+    amplitudes[np.abs(amplitudes) < TURNING] = 0.0
     moving = np.abs(amplitudes).max(axis=1, initial=0.0) > DRIVEN
     pushed = list(compress(labels, moving))
     platens = dict(zip(labels, amplitudes / units[:, None], strict=True))

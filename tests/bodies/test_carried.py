@@ -64,7 +64,7 @@ def test_torques_that_balance_or_that_a_support_carries() -> None:
         on_sector(supports={"hub": {"boundary": "pad_left", "fix": ["radial"]}})
 
 
-def slid(friction: float, x: float, **platen: Any) -> None:
+def slid(friction: float, x: float, **tables: Any) -> None:
     """A block on a larger one that is held, pressed and pushed along x."""
     top = {"type": "traction", "boundary": "upper_top", "history": sectors.ramp(1.0)}
     case = {
@@ -75,8 +75,9 @@ def slid(friction: float, x: float, **platen: Any) -> None:
         "supports": {"base": {"boundary": "lower_bottom", "fix": ["x", "y"]}},
         "loads": {
             "press": {**top, "direction": [0, -1]},
-            "push": {**top, "direction": [x, -1], **platen},
+            "push": {**top, "direction": [x, -1]},
         },
+        **tables,
     }
     upper = blocks.block("upper", [0.0, 0.5, 1.0], [0.0, 0.5])
     carried(case, upper, blocks.block("lower", [-1.0, 0.0, 1.0, 2.0], [-1.0, 0.0]))
@@ -88,6 +89,21 @@ def test_what_only_contact_holds_slides_without_friction() -> None:
     slid(0.0, 0.0)
     with pytest.raises(CaseError, match=r"loads.push: .* a force of 0.707\d* .* move along x$"):
         slid(0.0, 1.0)
+
+
+@pytest.mark.parametrize("shear", [0.0, 1.0])
+def test_a_platen_that_does_not_push_may_slide(shear: float) -> None:
+    """P does no work in the motion along the surface but for round-off."""
+    top = {"type": "platen", "boundary": "upper_top", "control": "force"}
+    platens = {
+        "press": {**top, "direction": "y", "history": sectors.ramp(-600.0)},
+        "push": {**top, "direction": "x", "history": sectors.ramp(shear)},
+    }
+    if not shear:
+        slid(0.0, 0.0, loads=platens)
+        return
+    with pytest.raises(CaseError, match=r"loads.push: .* a force of 1 N"):
+        slid(0.0, 0.0, loads=platens)
 
 
 FACES = {
