@@ -82,16 +82,18 @@ class _Loaded:
             places, forces = replace(given, even=False, factors=None).forces(
                 boundary_surface(own, given.boundary)
             )
+            left, size = forces, np.linalg.norm(forces, axis=1).sum()
             for held, coordinate in zip(body.constraints, body.coordinates, strict=True):
                 nodes = own.boundaries[given.boundary], own.boundaries[held.boundary]
                 if coordinate.control == "force" or held.overlap or not np.isin(*nodes).all():
                     continue
                 along = held.along(places)[:, : forces.shape[1]]
-                carried = np.abs(np.einsum("nc,nc->n", along, forces)).sum()
-                size = np.linalg.norm(forces, axis=1).sum()
+                left = left - np.einsum("nc,nc->n", along, left)[:, None] * along
+                free = (np.linalg.norm(left, axis=1).sum() / size) ** 2
+                carried = np.abs(np.einsum("nc,nc->n", along, forces)).sum() / size
                 # Directions about an axis turn along the boundary: what they leave may be meant.
-                least = NO_WORK if held.around is None else 1 - NO_WORK
-                if held.shape is not None or carried > least * size:
+                partly = held.around is None and carried > NO_WORK
+                if held.shape is not None or partly or free < 2 * NO_WORK:
                     text = (
                         "expected a boundary that can move along its load, found "
                         f"{given.boundary!r}, whose nodes {held.label!r} holds or moves: let them "

@@ -64,6 +64,13 @@ def test_torques_that_balance_or_that_a_support_carries() -> None:
         on_sector(supports={"hub": {"boundary": "pad_left", "fix": ["radial"]}})
 
 
+def test_what_a_hub_holds_both_ways_moves_nothing() -> None:
+    """A force along x is radial in part and tangential in part."""
+    hub = {"boundary": "ring_right", "fix": ["radial", "tangential"]}
+    with pytest.raises(CaseError, match=r"loads.own0.boundary: expected a boundary that can move"):
+        on_sector(force(1, 0), supports={"hub": hub})
+
+
 def slid(friction: float, x: float, **tables: Any) -> None:
     """A block on a larger one that is held, pressed and pushed along x."""
     top = {"type": "traction", "boundary": "upper_top", "history": sectors.ramp(1.0)}
