@@ -17,6 +17,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.bodies.definition import BodyDefinition, ModelDefinition, define_model
 from fretfe.bodies.free_motions import (
+    DRIVEN,
     TURNING,
     Freedom,
     RigidMotions,
@@ -92,7 +93,7 @@ class _Loaded:
                 free = (np.linalg.norm(left, axis=1).sum() / size) ** 2
                 carried = np.abs(np.einsum("nc,nc->n", along, forces)).sum() / size
                 # Directions about an axis turn along the boundary: what they leave may be meant.
-                partly = held.around is None and carried > NO_WORK
+                partly = held.around is None and carried > DRIVEN
                 if held.shape is not None or partly or free < 2 * NO_WORK:
                     text = (
                         "expected a boundary that can move along its load, found "

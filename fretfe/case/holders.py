@@ -43,13 +43,13 @@ class Holder(NamedTuple):
     def carried(self, direction: Along) -> str:
         """Complaint about a load on its boundary along a direction that it holds; else empty."""
         part = self.carries(unit_vector(direction, 3))
-        axes = [axis for axis, size in zip(AXES, part, strict=True) if abs(size) > ORTHOGONALITY]
-        if not axes:
+        if not (share := round(math.hypot(*part), 2)):  # of digits that were typed
             return ""
+        axes = [axis for axis, size in zip(AXES, part, strict=True) if abs(size) > ORTHOGONALITY]
         return (
             f"expected a load that moves its boundary, found that it acts on {self.boundary!r}, "
             f"which {self.key} holds along {axes[0] if len(axes) == 1 else shown(part)}: that "
-            f"carries {math.hypot(*part):.0%} of it; let it go there, or load another boundary"
+            f"carries {share:.0%} of it; let it go there, or load another boundary"
         )
 
 

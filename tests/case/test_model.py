@@ -615,6 +615,10 @@ def test_loads_that_their_own_boundary_carries_are_named(
             "loads__press__direction": [3, 4],
             "loads__s": load(boundary="pad_top", direction=[-4, 3]),
         },
+        {
+            "supports__side": {"boundary": "right", "fix": ["x"]},
+            "loads__push": load("force", boundary="right", direction=[1e-3, 1]),
+        },
         {"loads__other": load(boundary="elsewhere", direction=[1, 1])},
         {"loads__pull": load("traction", boundary="pad_top", direction="normal")},
         {"geometry": {"template": "dovetail", "parameters": {"edge_size": 0.02}, "order": 1}},
@@ -628,6 +632,7 @@ def test_loads_that_their_own_boundary_carries_are_named(
         "load-across-a-support",
         "axes",
         "orthogonal-vectors",
+        "load-across-a-support-but-for-digits",
         "other-platen",
         "traction-on-platen",
         "template",
