@@ -23,7 +23,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.errors import MeshError
 from fretfe.files import MOST_MEMBERS, MOST_PLACED
-from fretfe.mesh.inp_cards import Card, cards
+from fretfe.mesh.inp_cards import WHOLE, Card, cards, real
 from fretfe.mesh.inp_language import ACTING, ANALYSIS, JOINED, REFERENCES, REFUSED
 
 # Parameters of a rigid body that is an analytical surface and nothing of the mesh.
@@ -151,11 +151,11 @@ class Level:
     def number(self, text: str, instance: str | None = None) -> int:
         """The number of a node or element, perhaps one of an instance as `NAME.7`."""
         own = text
-        if "." in text and instance is None:
+        # a name begins with a letter, or in quotes
+        if "." in text and instance is None and (text[0].isalpha() or text[0] in '_"'):
             instance, _, own = text.rpartition(".")
-        value = int(own) if own.strip().lstrip("+-").isdecimal() else -1
-        if not 0 <= value < STRIDE:
-            raise ValueError(f"expected a number from 0 to {STRIDE - 1}, found {own}")
+        if not WHOLE.fullmatch(own) or not 0 < (value := int(own)) < STRIDE:
+            raise ValueError(f"expected a number from 1 to {STRIDE - 1}, found {own}")
         return value if instance is None else value + self.first(instance)
 
     def first(self, instance: str) -> int:
@@ -252,6 +252,13 @@ class Deck(Level):
         elements += self.element_sets.get(label, ())
         nodes = (node for number in elements for node in self.elements[number][1])
         return (*nodes, *self.node_sets.get(label, ()))
+
+    def labelled(self, text: str) -> list[int]:
+        """Numbers of the nodes in a set, or the one that stands there; none of a wrong label."""
+        try:
+            return self.node_sets.get(text.strip('"').upper()) or [self.number(text)]
+        except ValueError:
+            return []
 
     def named(self, name: str) -> bool:
         """True if a set or surface has this name."""
@@ -357,8 +364,7 @@ class _Reader:
             return
         if card.word == "TIE":
             card.require_text()
-            pairs = [[value.strip('"').upper() for value in row[:2]] for row in card.rows]
-            self.deck.ties += [(card.place, one, other) for one, other in pairs]
+            self.deck.ties += [(card.place, *pair) for pair in card.pairs()]
             return
         analytical = "ANALYTICALSURFACE" in card.parameters
         if card.word in REFERENCES and not (analytical and card.parameters.keys() <= ANALYTICAL):
@@ -533,36 +539,28 @@ def _turned(points: Array, row: Array) -> Array:
     return origin + along + cosine * (arms - along) + sine * np.cross(axis, arms)
 
 
-def real(text: str) -> float:
-    """A number; Fortran writes 1.0D+00.
-
-    Raises:
-        ValueError: it is none, or not finite.
-    """
-    value = float(text.upper().replace("D", "E"))
-    if not math.isfinite(value):
-        raise ValueError(f"expected a finite number, found {text}")
-    return value
-
-
 def _nodes(level: Level, card: Card) -> None:
     card.refuse("INPUT")
-    if (
-        system := card.choice("SYSTEM", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL")
-    ) != "RECTANGULAR":
+    system = card.choice("SYSTEM", "RECTANGULAR", "CYLINDRICAL", "SPHERICAL")
+    if system != "RECTANGULAR":
         raise ValueError(f"expected x, y and z, found SYSTEM={system}: {REFUSED['SYSTEM']}")
-    numbers = []
-    for row, (file, line) in zip(card.rows, card.lines, strict=True):
-        try:
-            number = level.number(row[0])
-            # coordinates at the end of a row may be left out
-            values = [real(value) if value else 0.0 for value in row[1:4]]
-            x, y, z = values + [0.0] * (3 - len(values))
+    numbers: list[int] = []
+    lifted: set[bool | None] = set()  # of solids z in some rows alone is a mistake
+    with card.each_row() as rows:
+        for row in rows:
+            number, cells = level.number(row[0]), row[1:4]
+            if cells[-1:] == [""]:
+                cells = cells[:-1]
+            values = [real(cell) for cell in cells]
+            lifted.add(values[2] != 0 if len(values) > 2 else None)
+            if len(values) < 2 or lifted >= {True, None}:
+                raise ValueError(
+                    f"expected x, y and (in all rows or none) z, found {', '.join(cells)}"
+                )
+            x, y, z = (*values, 0.0)[:3]
             if level.nodes.setdefault(number, (x, y, z)) != (x, y, z):
                 raise ValueError(f"node {number} is defined twice, at different places")
-        except ValueError as error:
-            raise MeshError(f"{file}, line {line}: cannot read *{card.keyword}: {error}") from None
-        numbers.append(number)
+            numbers.append(number)
     if name := card.name("NSET"):
         level.node_sets.setdefault(name, []).extend(numbers)
 
@@ -571,12 +569,12 @@ def _elements(level: Level, card: Card) -> None:
     card.refuse("INPUT", "FILE", "OFFSET")
     kind = card.required("TYPE")
     numbers: list[int] = []
-    for values in _records(card.rows, node_count(kind)):
-        number, *nodes = map(level.number, values)
-        if number in level.elements:
-            raise ValueError(f"element {number} is defined twice")
-        level.elements[number] = (kind, tuple(nodes))
-        numbers.append(number)
+    with card.each_row() as rows:
+        for number, *nodes in _records(rows, level.number, node_count(kind)):
+            if number in level.elements:
+                raise ValueError(f"element {number} is defined twice")
+            level.elements[number] = (kind, tuple(nodes))
+            numbers.append(number)
     if name := card.name("ELSET"):
         level.element_sets.setdefault(name, []).extend(numbers)
 
@@ -591,23 +589,24 @@ def node_count(kind: str) -> int | None:
     return int(found[1]) if found else None
 
 
-def _records(rows: Iterable[list[str]], count: int | None) -> Iterator[list[str]]:
+def _records(
+    rows: Iterable[list[str]], number: Callable[[str], int], count: int | None
+) -> Iterator[list[int]]:
     """Number and nodes of each element, which may go on in the next row.
 
     It does so while its type has as many nodes more: some programs end each row with a comma,
     others none that goes on. Of a type whose nodes are not known a comma at the end goes on.
     """
-    found: list[str] = []
-    open_end = False
+    found: list[int] = []
     for row in rows:
-        values = [value for value in row if value]
-        if count is not None:
-            open_end = len(found) <= count and len(found) + len(values) <= count + 1
-        if found and not open_end:
+        values = [number(value) for value in row if value]
+        if found and count is not None and len(found) + len(values) > count + 1:
             yield found
             found = []
         found += values
-        open_end = not row[-1]
+        if row[-1] if count is None else len(found) > count:
+            yield found
+            found = []
     if found:
         yield found
 

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
+from operator import length_hint
 from pathlib import Path
 
 from fretfe.errors import MeshError
@@ -21,6 +24,28 @@ BIG_ENDIAN = re.compile(rb"\xfe\xff|\0[\s*]")
 UNKNOWN = "\N{REPLACEMENT CHARACTER}"
 # Characters of a line in a message.
 LONGEST = 40
+# Numbers as Fortran reads them: Python's own have underscores and digits of all scripts, too.
+WHOLE = re.compile(r"[+-]?[0-9]+")
+REAL = re.compile(r"[+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:E[+-]?[0-9]+)?")
+
+
+def whole(text: str) -> int:
+    """A whole number; ValueError if it is none."""
+    if not WHOLE.fullmatch(text):
+        raise ValueError(f"expected a whole number, found {text or 'none'}")
+    return int(text)
+
+
+def real(text: str) -> float:
+    """A number; Fortran writes 1.0D+00.
+
+    Raises:
+        ValueError: it is none, or not finite.
+    """
+    plain = text.upper().replace("D", "E")
+    if not REAL.fullmatch(plain) or not math.isfinite(value := float(plain)):
+        raise ValueError(f"expected a finite number, found {text or 'none'}")
+    return value
 
 
 @dataclass(frozen=True)
@@ -66,6 +91,32 @@ class Card:
             ValueError: it is short for several of them.
         """
         return whole_value(self.parameters.get(parameter) or choices[0], choices)
+
+    @contextmanager
+    def each_row(self) -> Iterator[Iterator[list[str]]]:
+        """The rows, one after the other.
+
+        Raises:
+            MeshError: names the line of the row for each ValueError while it is read.
+        """
+        rows = iter(self.rows)
+        try:
+            yield rows
+        except ValueError as error:
+            file, line = self.lines[-1 - length_hint(rows)]  # of the last one that was taken
+            raise MeshError(f"{file}, line {line}: cannot read *{self.keyword}: {error}") from None
+
+    def pairs(self) -> list[tuple[str, str]]:
+        """The first two names of each row, in capitals.
+
+        Raises:
+            ValueError: there is no row, or one without them.
+        """
+        found = [[value.strip('"').upper() for value in row[:2] if value] for row in self.rows]
+        for names in found or [[]]:
+            if len(names) != 2:
+                raise ValueError(f"expected two surfaces, found {', '.join(names) or 'none'}")
+        return [(one, other) for one, other in found]
 
     def refuse(self, *names: str) -> None:
         """Raise ValueError for parameters with which the keyword would mean something else."""

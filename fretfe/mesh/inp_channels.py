@@ -12,8 +12,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.mesh.inp import real
-from fretfe.mesh.inp_cards import Card
+from fretfe.mesh.inp_cards import Card, real
 from fretfe.mesh.inp_groups import SAME
 
 TomlTable = dict[str, Any]

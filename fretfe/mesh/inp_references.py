@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck, Point
-from fretfe.mesh.inp_cards import Card
+from fretfe.mesh.inp_cards import Card, whole
 
 # Keywords of a rigid body that name what is rigid.
 RIGID = ("NSET", "ELSET", "TIENSET", "PINNSET")
@@ -130,7 +130,7 @@ def _axes(rows: Sequence[Sequence[str]]) -> frozenset[int]:
     for row in rows:
         first, last = ([*row, "", ""])[:2]
         if first:
-            found.update(range(int(first), int(last or first) + 1))
+            found.update(range(whole(first), whole(last or first) + 1))
     return frozenset(found or (1, 2, 3)) & {1, 2, 3}
 
 

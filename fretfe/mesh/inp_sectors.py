@@ -14,8 +14,8 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.errors import MeshError
-from fretfe.mesh.inp import Deck, real
-from fretfe.mesh.inp_cards import Card
+from fretfe.mesh.inp import Deck
+from fretfe.mesh.inp_cards import Card, real, whole
 from fretfe.mesh.planes import PLANE_TOLERANCE
 
 
@@ -73,7 +73,7 @@ def _of_model(model: Card, ties: list[Card], dimension: int) -> Iterator[Sector]
     if not own:
         which = "" if named is None else f" called {named}"
         raise ValueError(f"expected a *TIE with CYCLIC SYMMETRY{which}, found none")
-    count = int(model.required("N"))
+    count = whole(model.required("N"))
     numbers = np.array([real(value) for row in model.rows for value in row if value])
     if len(numbers) < 6 and dimension == 3:
         raise ValueError(f"expected two points on the axis, found {len(numbers)} numbers")
@@ -85,5 +85,4 @@ def _of_model(model: Card, ties: list[Card], dimension: int) -> Iterator[Sector]
     if dimension == 2 and np.abs(axis[:2]).max() > PLANE_TOLERANCE * length:
         raise ValueError(f"expected an axis along z in a plane model, found {axis.tolist()}")
     for tie in own:
-        one, other = (value.strip('"').upper() for value in tie.rows[0][:2])
-        yield Sector(tie.place, (one, other), count, centre, axis)
+        yield Sector(tie.place, tie.pairs()[0], count, centre, axis)

@@ -17,8 +17,8 @@ from dataclasses import dataclass, field
 from functools import partial
 
 from fretfe.errors import MeshError
-from fretfe.mesh.inp import Deck, real
-from fretfe.mesh.inp_cards import Card
+from fretfe.mesh.inp import Deck
+from fretfe.mesh.inp_cards import Card, real, whole
 from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable, read_amplitude, repeated
 from fretfe.mesh.inp_groups import listed
 from fretfe.mesh.inp_language import ACTING
@@ -261,10 +261,7 @@ class _Steps:
     def _contact(self, card: Card) -> None:
         interaction = card.name("INTERACTION") or ""
         friction = self._friction.get(interaction)
-        for row in card.rows:
-            one, other = (value.strip('"').upper() for value in row[:2])
-            if not other:
-                raise ValueError(f"expected two surfaces, found {one} alone")
+        for one, other in card.pairs():
             for surface in (one, other):
                 self._find(surface)
             table: TomlTable = {"surface1": one, "surface2": other}
@@ -315,8 +312,8 @@ class _Steps:
         if word in HELD:
             places: Sequence[int] = HELD[word]
         else:
-            first = int(word)
-            places = range(first, (int(row[2]) if len(row) > 2 and row[2] else first) + 1)
+            first = whole(word)
+            places = range(first, (whole(row[2]) if len(row) > 2 and row[2] else first) + 1)
         value = real(row[3]) if len(row) > 3 and row[3] else 0.0
         if led := self._led_by(row[0]):
             for each, place in ((each, place + more) for each, more in led for place in places):
@@ -338,10 +335,10 @@ class _Steps:
             raise ValueError("expected forces that keep their direction")
         if led := self._led_by(row[0]):
             for each, more in led:
-                for table, factor in self._moved(each, int(row[1]) + more, FORCES):
+                for table, factor in self._moved(each, whole(row[1]) + more, FORCES):
                     yield table, factor * real(row[2])
             return
-        place = int(row[1]) - 1
+        place = whole(row[1]) - 1
         # of many nodes each would be a load of its own
         if (node := self._lone(row[0])) and len(card.rows) <= 10:
             boundary = self._around(node, row[0])
@@ -358,10 +355,7 @@ class _Steps:
 
     def _led_by(self, text: str) -> list[tuple[Reference, int]]:
         """References of a node or set, if these are theirs, and what leads to their rotations."""
-        try:
-            members = self._deck.node_sets.get(text.strip('"').upper()) or [self._deck.number(text)]
-        except ValueError:
-            return []
+        members = self._deck.labelled(text)
         return [self._led[node] for node in dict.fromkeys(members) if node in self._led]
 
     def _moved(
@@ -451,11 +445,7 @@ class _Steps:
 
     def _lone(self, text: str) -> int | None:
         """The number of a node that is alone in a row; None for a set of several."""
-        members = self._deck.node_sets.get(text.strip('"').upper())
-        try:
-            members = members or [self._deck.number(text)]
-        except ValueError:
-            return None
+        members = self._deck.labelled(text)
         return members[0] if len(members) == 1 and members[0] in self._deck.nodes else None
 
     def _around(self, node: int, text: str) -> str:
@@ -478,13 +468,11 @@ class _Steps:
     def _no_set(self, text: str) -> str:
         """A label that is no set of nodes, in words."""
         sets = self._deck.node_sets
-        try:
-            node = self._deck.number(text)
-        except ValueError:
+        if not (nodes := self._deck.labelled(text)):
             return (
                 f"no node set {text}{did_you_mean(text.upper(), sets)}; node sets: {listed(sets)}"
             )
-        if node not in self._deck.nodes:
+        if nodes[0] not in self._deck.nodes:
             return f"there is no node {text}"
         return "single nodes are not held here: hold the nodes of whole facets (*NSET) or a surface"
 

@@ -16,8 +16,8 @@ from itertools import pairwise
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.mesh.inp import Deck, real
-from fretfe.mesh.inp_cards import Card
+from fretfe.mesh.inp import Deck
+from fretfe.mesh.inp_cards import Card, real
 from fretfe.mesh.inp_shapes import Facet
 from fretfe.mesh.pieces import connected_groups
 
@@ -125,10 +125,7 @@ class _Names:
     def _members(self, label: str) -> list[int]:
         """Nodes in a row, if it has some on bodies."""
         name = label.strip('"').upper()
-        try:
-            nodes = self._deck.node_sets.get(name) or [self._deck.number(label)]
-        except ValueError:
-            return []
+        nodes = self._deck.labelled(label)
         return [] if name in self._deck.surfaces or self._at.keys().isdisjoint(nodes) else nodes
 
     def _sides(self, row: Sequence[str]) -> list[tuple[int, int]]:

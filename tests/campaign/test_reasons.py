@@ -337,7 +337,7 @@ ROWS = {
     "node-text": Row(
         3,
         "pad.inp, line 3: cannot read *NODE",
-        "'X.'",
+        "found x.",
         deck=(
             "\n2, 1.",
             "\n2, x.",

@@ -56,12 +56,50 @@ def refused(folder: Path, text: str) -> str:
     [
         ("1, 3, 0", "expected a step of 1 or more, found 0"),
         ("1, 3, x", "expected a step of 1 or more, found x"),
-        ("1, one", "expected a number from 0 to"),
+        ("1, one", "expected a number from 1 to"),
     ],
 )
 def test_rows_of_generated_sets_are_refused_in_words(tmp_path: Path, row: str, reason: str) -> None:
     message = refused(tmp_path, DECK.replace("1, 3, 1", row))
     assert reason in message and "invalid literal" not in message
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "line", "reason"),
+    [
+        ("\n2, 1., 0.", "\n2, 1_0., 0.", 3, "expected a finite number, found 1_0."),
+        ("\n2, 1., 0.", "\n2, 1., 0.0_256", 3, "expected a finite number, found 0.0_256"),
+        ("\n2, 1., 0.", "\n2, 1.,", 3, "expected x, y and (in all rows or none) z, found 1."),
+        ("\n2, 1., 0.", "\n2,", 3, "expected x, y and (in all rows or none) z, found "),
+        ("\n2, 1., 0.", "\n2, , 0.", 3, "expected a finite number, found none"),
+        ("\n2, 1., 0.", "\n2, 1., 0., .5", 3, "expected x, y and (in all rows or none) z"),
+        ("\n2, 1., 0.", "\n2; 1.; 0.", 3, "from 1 to 999999999, found 2; 1.; 0."),
+        ("\n2, 1., 0.", "\n2.0, 1., 0.", 3, "from 1 to 999999999, found 2.0"),
+        ("\n1, 0., 0.", "\n0, 0., 0.", 2, "from 1 to 999999999, found 0"),
+        ("\n2, 2, 3, 7, 6", "\n2, 2, 3, 7, 5.0", 20, "from 1 to 999999999, found 5.0"),
+        ("\n2, 2, 3, 7, 6", "\n2 2 3 7 6", 20, "from 1 to 999999999, found 2 2 3 7 6"),
+        ("\n2, 2, 3, 7, 6", "\n2, 2, 3, 7, 1_0", 20, "from 1 to 999999999, found 1_0"),
+        ("1, 3, 1\n", "0, 3, 1\n", 26, "from 1 to 999999999, found 0"),
+        (SETS, "*ELSET, ELSET=TOP\n1, 2, 3.0\n", 26, "from 1 to 999999999, found 3.0"),
+        (SETS, f"*TIE, NAME=T\n{SETS}", 26, "cannot read *TIE: expected two surfaces, found none"),
+        (SETS, f"*TIE, NAME=T\nFACE\n{SETS}", 26, "*TIE: expected two surfaces, found FACE"),
+        (SETS, f"*TIE, NAME=T\nFACE,\n{SETS}", 26, "*TIE: expected two surfaces, found FACE"),
+    ],
+)
+def test_rows_that_are_no_numbers_or_names_are_refused_by_their_line(
+    tmp_path: Path, old: str, new: str, line: int, reason: str
+) -> None:
+    """Cells are taken for what Fortran reads, and nothing that is missing for 0."""
+    assert old in DECK
+    message = refused(tmp_path, DECK.replace(old, new, 1))
+    assert message.startswith(f"{tmp_path / 'pad.inp'}, line {line}: cannot read *")
+    assert reason in message
+
+
+def test_coordinates_as_fortran_writes_them(tmp_path: Path) -> None:
+    """With an empty cell at the end, too, as some programs write plane decks."""
+    text = DECK.replace("\n2, 1., 0.", "\n+2, 1.D+00, -.0e0,")
+    np.testing.assert_array_equal(read(tmp_path, text).points, read(tmp_path, DECK).points)
 
 
 @pytest.mark.parametrize(

@@ -200,7 +200,7 @@ def test_names_of_instances(tmp_path: Path) -> None:
         ("*Assembly, name=Assembly\n", "", "cannot read *INSTANCE: expected it within *ASSEMBLY"),
         ("*End Instance\n**", "**", "expected it within *ASSEMBLY"),
         ("*Part, name=Square\n", "", "cannot read *END PART: expected *PART before it"),
-        (SHIFT, "0., one, 0.\n", "could not convert string to float"),
+        (SHIFT, "0., one, 0.\n", "expected a finite number, found one"),
         (SHIFT, "0., nan, 0.\n", "expected a finite number, found nan"),
         (SHIFT, "0., 1., 0., 7.\n", "expected a translation of 3 numbers, found 4"),
         (SHIFT, "0., 1., 0.\n0., 0., 1., 30.\n", "2 rows of 3, 4 numbers"),
@@ -210,12 +210,12 @@ def test_names_of_instances(tmp_path: Path) -> None:
         ),
         (
             SHIFT, "0., 1., 0.\n0., 0., 1., 0., 0., 2., turn\n",
-            "could not convert string to float",
+            "expected a finite number, found turn",
         ),
         ("part=SQUARE", "part=Square, library=old", "the parameter LIBRARY is not supported"),
         ("instance=Lower", "instance=Under", "there is no instance 'UNDER'; instances: LOWER, UPP"),
         ("LOWER.ALL, S4", "LOWER.NONE, S4", "there is no set 'LOWER.NONE'"),
-        (" 1, 2\n", " 1, 2000000000\n", "expected a number from 0 to 999999999"),
+        (" 1, 2\n", " 1, 2000000000\n", "expected a number from 1 to 999999999"),
         ("1, 1, 2, 3, 4\n", "1, 1, 2, 3, 7\n", "element LOWER.1 has node LOWER.7, which is not"),
     ],
 )  # fmt: skip
