@@ -88,6 +88,7 @@ class _UnitRule:
         return _UnitRule(self.points**4, 4.0 * self.points**3 * self.weights)
 
 
+SMOOTH = _UnitRule.smooth(16, 16)
 # Few points where the integrand is smooth: divided differences lose their digits next to an edge.
 _FEW_PIECES = (_UnitRule.smooth(16, 40), _UnitRule.smooth(40, 40).graded())
 # The pieces between the points of a table are short, and its gap is a cubic there.

@@ -338,7 +338,7 @@ def asymptote_error(profile: Profile, half_width: ArrayLike, slip_length: ArrayL
     load = profile.load(a)
     remaining = load - d * profile.load_slope(a)
     exact = a - profile.half_width(np.where(remaining > 0.0, remaining, load))
-    known = (remaining > 0.0) & (exact > 0.0)
+    known = (remaining > 0.0) & (exact > 0.0) & (d > 0.0)
     error = np.divide(d, exact, out=np.ones_like(d), where=known) - 1.0
     return np.where(remaining > 0.0, error, np.nan)
 

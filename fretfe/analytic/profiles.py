@@ -22,7 +22,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.analytic._numerics import check_positive, check_range, graded_rule, solve_half_width
+from fretfe.analytic._numerics import (
+    SMOOTH,
+    check_positive,
+    check_range,
+    graded_rule,
+    solve_half_width,
+)
 
 __all__ = [
     "FIRST_YIELD",
@@ -387,10 +393,14 @@ class FlatRounded:
         return np.sign(position) * np.maximum(beyond, 0.0) / self.radius
 
     def load(self, half_width: ArrayLike) -> Array:
-        """Return P = (E* a^2/(4R)) (pi - 2 phi0 - sin(2 phi0)), a >= b."""
-        a, b = self._check_half_width(half_width), self.flat_half_width
-        area = a**2 * self._shoulder_angle(a) - b * np.sqrt((a - b) * (a + b))
-        return self.e_star / (2.0 * self.radius) * area
+        """Return P = (E* a^2/(4R)) (pi - 2 phi0 - sin(2 phi0)), a >= b.
+
+        As an integral of sin^2 up to pi/2 - phi0: next to the flat the difference has no digits.
+        """
+        a = self._check_half_width(half_width)
+        angle = self._shoulder_angle(a)
+        squares = np.sin(angle[..., None] * SMOOTH.points) ** 2
+        return self.e_star / self.radius * a**2 * angle * (squares @ SMOOTH.weights)
 
     def load_slope(self, half_width: ArrayLike) -> Array:
         """Return dP/da = (E* a/(2R)) (pi - 2 phi0), a >= b."""
@@ -437,5 +447,5 @@ class FlatRounded:
 
     def _shoulder_angle(self, a: Array) -> Array:
         """Return pi/2 - phi0; a = b = 0 counts as Hertz."""
-        flat = np.divide(self.flat_half_width, a, out=np.zeros_like(a), where=a > 0.0)
-        return np.arccos(flat)
+        b = self.flat_half_width
+        return 2.0 * np.arctan(np.sqrt(np.divide(a - b, a + b, out=np.ones_like(a), where=a > 0.0)))

@@ -196,6 +196,20 @@ def test_flat_and_rounded_tends_to_a_flat_punch(gap: float) -> None:
     assert profile.load(1.0) == pytest.approx(limit, rel=gap)
 
 
+@pytest.mark.parametrize("gap", [2.0**-20, 2.0**-36, 2.0**-52])
+def test_loads_next_to_a_flat_have_all_their_digits(gap: float) -> None:
+    """1 - gap is exact; the correction of the punch is of the order of the gap."""
+    profile = FlatRounded(1.0 - gap, RADIUS, E_STAR)
+    limit = E_STAR / RADIUS * np.sqrt(8) / 3 * gap**1.5
+    assert profile.load(1.0) == pytest.approx(limit, rel=max(gap, 1e-14))
+    assert profile.half_width(profile.load(1.0)) - profile.flat_half_width == pytest.approx(
+        gap, rel=1e-6, abs=2.0**-53
+    )
+    assert edge_factor_k_n(profile, 1.0) == pytest.approx(
+        2 / np.pi * E_STAR / RADIUS * np.sqrt(gap), rel=max(gap, 1e-14)
+    )
+
+
 @pytest.mark.parametrize("gap", [1e-2, 1e-3, 1e-4])
 def test_k_n_of_a_flat_punch_with_a_short_rounding(gap: float) -> None:
     profile = FlatRounded(1.0 - gap, RADIUS, E_STAR)
