@@ -105,7 +105,10 @@ ACCEPTED: dict[str, str | bytes] = {
     "a test of nothing": _cell(1, "1e-30"),
     "100 000 rows": "\n".join([HEADER, *ROWS * 4200]),
 }  # fmt: skip
-LIVES = ("nan", "inf", "-inf", "0", "-1", "1e400", "many", "", "1e-400", "1,5", "0x10")
+LIVES = (
+    *("nan", "inf", "-inf", "0", "-1", "1e400", "many", "", "1e-400", "1,5", "0x10"),
+    *("1e-300", "1e300"),
+)
 
 
 def faults() -> Iterator[Fault]:
@@ -129,7 +132,7 @@ def faults() -> Iterator[Fault]:
     for life in LIVES:
         command = ("strength", "tests.csv", "run", f"--life={life}", "--json")
         yield Fault(f"strength/life {life!r}", command, with_runs(whole), True)
-    for life in ("1e-300", "1e300", "1e30", "0.5"):
+    for life in ("1e-30", "1e30", "0.5"):
         command = ("strength", "tests.csv", "run", f"--life={life}", "--json")
         yield Fault(f"strength/life {life!r}", command, with_runs(whole), False)
     yield from _results(whole)
