@@ -128,7 +128,7 @@ def read_columns_of_tests(path: Path, units: Units) -> Columns:
 
 def _split(name: str) -> tuple[str, str | None]:
     """Name and unit of a column; None without a unit."""
-    found = re.fullmatch(r"\s*([^\[\]]*?)\s*(?:\[(.*)\])?\s*", name)
+    found = re.fullmatch(r"\s*([^\[\]]*?)\s*(?:\[([^\[\]]*)\])?\s*", name)
     if found is None:
         return name, None
     plain = found[1].lower()

@@ -432,6 +432,7 @@ ROW = "1000,40,1e5,0,0.4,210e3,0.3"
         (HEADER.replace("k_n ", "kn ").replace("dk_t", "kt"), ROW, "expected either k_n and dk_t"),
         (HEADER.replace("life", "life [1e3]"), ROW, r"'life': expected no unit, found \[1e3\]"),
         (HEADER.replace("friction", "friction [%]"), ROW, r"'friction': expected no unit, found"),
+        (HEADER.replace("[MPa],", "[MPa]],"), ROW, "line 1: expected a column 'young', found"),
         (f"{HEADER},k_n_ratio", f"{ROW},1", "expected either k_n and dk_t or .* found both"),
         (HEADER, ROW.replace("1e5", "0"), "line 2, column 'life': expected a number > 0, found 0"),
         (HEADER, ROW.replace("1e5,0", "1e5,2"), "expected 1 for a run-out or 0 for a failure"),
