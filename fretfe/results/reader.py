@@ -5,7 +5,7 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import fields, is_dataclass, replace
 from enum import Enum
@@ -215,17 +215,17 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         loads=history,
         backend=str(numbers["backend"]),
         contacts=contacts,
-        notes=tuple(numbers["notes"]),
+        notes=_as(tuple[str, ...], numbers["notes"]),
         failure=None if numbers["complete"] else ConvergenceError(numbers["failure"]),
         root_solution=solution,
         bodies=bodies,
         versions=numbers["versions"],
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
-        limits=tuple(restored(ModelLimit, each) for each in numbers["limits"]),
+        limits=tuple(restored(ModelLimit, each) for each in _listed(numbers["limits"])),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
-        faults=tuple(restored(Fault, each) for each in numbers["faults"]),
+        faults=tuple(restored(Fault, each) for each in _listed(numbers["faults"])),
     )
 
 
@@ -242,21 +242,21 @@ def _require_names(what: str, found: Iterable[str], known: Iterable[str]) -> Non
 
 def _contact(name: str, table: Mapping[str, Any]) -> Contact:
     contact = restored(Contact, {**table, "name": name, "fronts": ()})
-    return replace(contact, fronts=tuple(_front(each) for each in table["fronts"]))
+    return replace(contact, fronts=tuple(_front(each) for each in _listed(table["fronts"])))
 
 
 def _front(table: Mapping[str, Any]) -> Front:
     stations = tuple(
         restored(Station, {**each, "slip_zones": _rows(each["slip_zones"])})
-        for each in table["stations"]
+        for each in _listed(table["stations"])
     )
     return replace(restored(Front, {**table, "stations": ()}), stations=stations)
 
 
-def _rows(table: Any) -> list[Mapping[str, Any]]:
+def _rows(table: Any) -> Sequence[Mapping[str, Any]]:
     """A list of tables, of which a long one is a table of lists."""
     if not isinstance(table, dict):
-        return list(table)
+        return _listed(table)
     lists = (values.tolist() for values in table.values())
     return [dict(zip(table, row, strict=True)) for row in zip(*lists, strict=True)]
 
@@ -269,6 +269,8 @@ def restored_refinement(table: Mapping[str, Any]) -> Refinement:
 def restored(cls: type[T], table: Mapping[str, Any]) -> T:
     """A dataclass from a table with a key for each of its fields; other keys are left out."""
     assert is_dataclass(cls)
+    if not isinstance(table, Mapping):
+        raise TypeError(f"{described(table)} in place of a table")
     hints = _hints(cls)
     values = {each.name: _as(hints[each.name], table[each.name]) for each in fields(cls)}
     return cls(**values)
@@ -291,11 +293,18 @@ def _as(kind: Any, value: Any) -> Any:
     if is_dataclass(kind):
         return restored(kind, value)  # type: ignore[arg-type]
     if get_origin(kind) is tuple:
-        return tuple(_as(get_args(kind)[0], each) for each in value)
+        return tuple(_as(get_args(kind)[0], each) for each in _listed(value))
     if kind == Indices:
         return np.asarray(value, dtype=np.int64)
     # The only other lists are arrays.
     return _numbers(value) if isinstance(value, list | np.ndarray) else value
+
+
+def _listed(value: Any) -> Sequence[Any]:
+    """A list of JSON; of a text each letter would be one of its values."""
+    if not isinstance(value, list | tuple | np.ndarray):
+        raise TypeError(f"{described(value)} in place of a list")
+    return [*value]
 
 
 def _numbers(values: Any) -> Array:

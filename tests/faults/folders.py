@@ -40,7 +40,12 @@ TEXTS = {
     "units/length": SCRIPT,
     "versions/python": SCRIPT,
     "contacts/main/warnings": [
-        {"kind": "fault", "subject": {"contact": SCRIPT, "front": SCRIPT}, "text": SCRIPT}
+        {
+            "kind": "fault",
+            "subject": {"contact": SCRIPT, "front": SCRIPT},
+            "text": SCRIPT,
+            "partly": False,
+        }
     ],
     "case/title": SCRIPT,
 }

@@ -65,6 +65,27 @@ def test_other_types(tmp_path: Path, folder: Path, key: str, value: object) -> N
         load_result(tmp_path)
 
 
+@pytest.mark.parametrize(
+    "place",
+    [
+        *("notes", "limits", "faults", "contacts.main.warnings", "contacts.main.fronts"),
+        *("contacts.main.fronts.0.stations", "contacts.main.fronts.0.stations.0.slip_zones"),
+    ],
+)
+@pytest.mark.parametrize("text", ["", "none"])
+def test_a_text_in_place_of_a_list(tmp_path: Path, folder: Path, place: str, text: str) -> None:
+    """An empty one would be a list of nothing."""
+    numbers = copied(folder, tmp_path)
+    *parts, last = place.split(".")
+    table: Any = numbers
+    for part in parts:
+        table = table[int(part) if part.isdecimal() else part]
+    table[last] = text
+    written(tmp_path, numbers)
+    with pytest.raises(OutputError, match=r"found: .* in place of a list"):
+        load_result(tmp_path)
+
+
 def test_a_number_that_is_missing(tmp_path: Path, folder: Path) -> None:
     numbers = copied(folder, tmp_path)
     numbers["contacts"]["main"]["fronts"][0]["stations"][0]["last"] = None
