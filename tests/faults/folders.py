@@ -106,7 +106,8 @@ def _values() -> Iterator[Fault]:
             random = Random(seed)
             *keys, last = random.choice(leaves(numbers))
             table = _at(numbers, keys)
-            others = [value for value in VALUES.values() if value is not table[last]]
+            old = json.dumps(table[last])
+            others = [value for value in VALUES.values() if json.dumps(value) != old]
             table[last] = random.choice(others)
 
         yield Fault(f"results.json/value/{seed}", REPORT, _copied(_plainly(edit)), True)
