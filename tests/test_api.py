@@ -25,7 +25,13 @@ import fretfe
 from fretfe.api import Result
 from fretfe.case import changed
 from fretfe.cli.run import run as run_case
-from fretfe.errors import CaseError, DependencyError, ModelError, OutputError, StoppedError
+from fretfe.errors import (
+    CaseError,
+    ConvergenceError,
+    DependencyError,
+    OutputError,
+    StoppedError,
+)
 
 FRICTION = "contacts.main.friction"
 
@@ -352,7 +358,7 @@ def test_sweep(pad: Path, tmp_path: Path) -> None:
 
 def test_mistakes(pad: Path) -> None:
     case = fretfe.load_case(pad, {"loads.shear.amplitude": 300})
-    with pytest.raises(ModelError, match="the backend 'halfplane' cannot solve this case"):
+    with pytest.raises(ConvergenceError, match="the backend 'halfplane' cannot solve this case"):
         fretfe.run(case, "halfplane")
     with pytest.raises(CaseError, match="no backend is called 'halfplain'"):
         fretfe.run(case, "halfplain")

@@ -12,7 +12,7 @@ from itertools import chain
 from fretfe.backends.protocol import DEFAULTS, Backend, RunOptions, field_obstacles
 from fretfe.case import Case
 from fretfe.caution import Kind
-from fretfe.errors import CaseError, FretfeError, ModelError
+from fretfe.errors import CaseError, ConvergenceError, FretfeError, ModelError
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate, unknown_contacts, with_patches
 from fretfe.evaluate.limits import (
@@ -112,11 +112,13 @@ class HalfPlaneBackend(Backend):
         return (*obstacles(case), *field_obstacles(case))
 
     def refusal(self, case: Case) -> type[FretfeError]:
-        """That of the model where the contact opens or slides, else that of the case."""
+        """That of the model or the step where the contact opens or slides, else of the case."""
         try:
             idealise(case)
-        except FretfeError as error:
-            return ModelError if isinstance(error, ModelError) else CaseError
+        except (ModelError, ConvergenceError) as error:
+            return type(error)
+        except CaseError:
+            pass
         return CaseError
 
     def solve(self, case: Case, options: RunOptions = DEFAULTS) -> Result:

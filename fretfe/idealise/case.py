@@ -18,7 +18,7 @@ from fretfe.case import (
     unit_vector,
 )
 from fretfe.case.holders import holders
-from fretfe.errors import CaseError, ModelError
+from fretfe.errors import CaseError, ConvergenceError, ModelError
 from fretfe.idealise.bodies import (
     LOWER,
     UPPER,
@@ -218,7 +218,7 @@ def read_loading(case: Case, history: History, block: Block) -> Loading:
         tension -= SIDES[side] * force[0] * _side_tension(case, block)[0]
     modulus = plane_modulus(case.bodies[LOWER], case.model.plane)
     return Loading(
-        normal_force=-force[1],
+        normal_force=0.0 - force[1],  # of 0 no -0
         shear_force=force[0],
         moment=np.zeros(len(history.times)) if guided(case) else block.heights[0] * force[0],
         bulk_tension=2 * block.profile.e_star / tangential_ratio(case) * tension / modulus,
@@ -257,6 +257,7 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
     Raises:
         NotIdealisable: if that is not possible.
         CaseError: if the template, its parameters or the history are not valid.
+        ModelError, ConvergenceError: as `HalfPlaneProblem.require_partial_slip`.
     """
     reasons = list(geometry_obstacles(case)) or list(loading_obstacles(case))
     if reasons:
@@ -291,6 +292,9 @@ def idealise(case: Case, loads: History | None = None) -> HalfPlaneProblem:
         ),
         notes=(),
     )
+    if problem.sheared.any() and not problem.friction.any():
+        text = "expected friction, which alone carries the shear force, found 0"
+        raise NotIdealisable(case, [f"contacts.{name}.friction: {text}"])
     problem.require_partial_slip()
     edges = contact_edges(problem)
     reach = float(np.nanmax(np.abs([edges.left, edges.right]))) + layer_reach(problem)
@@ -338,7 +342,7 @@ def obstacles(case: Case) -> tuple[str, ...]:
         idealise(case)
     except NotIdealisable as error:
         return error.reasons
-    except ModelError as error:
+    except (ModelError, ConvergenceError) as error:
         return (str(error),)
     return ()
 

@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass, fields, replace
 
 import numpy as np
@@ -12,7 +12,7 @@ import numpy as np
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.profiles import Profile, edge_factor_k_n
 from fretfe.analytic.rocking import TiltedContact, tilted_contact
-from fretfe.errors import ModelError
+from fretfe.errors import ConvergenceError, ModelError
 from fretfe.loads import History
 from fretfe.loads.history import within_steps
 
@@ -111,36 +111,30 @@ class HalfPlaneProblem:
         """Check that the contact stays closed and never slides as a whole.
 
         Raises:
-            ModelError: names every time at which it does not.
+            ModelError: nothing ever presses the bodies together.
+            ConvergenceError: the contact opens or slides in a step; names the first time.
         """
-        problems = list(self._problems())
-        if problems:
-            raise ModelError(
-                f"contact {self.contact!r}: half-planes have no solution for these loads:\n"
-                + "\n".join(problems)
-            )
-
-    def _problems(self) -> Iterator[str]:
-        loaded = self.history.times > 0
+        title = f"contact {self.contact!r}: half-planes have no solution for these loads:\n  "
+        loaded, times = self.history.times > 0, self.history.times
         opened = np.flatnonzero(loaded & (self.normal_force <= 0))
         if opened.size:
-            time, force = self.history.times[opened[0]], self.normal_force[opened[0]]
-            yield (
-                f"  expected a normal force P > 0 in every step, found {force:g} at time {time:g}: "
-                "the contact is open"
+            kind = ConvergenceError if (self.normal_force > 0).any() else ModelError
+            raise kind(
+                f"{title}expected a normal force P > 0 in every step, found "
+                f"{self.normal_force[opened[0]]:g} at time {times[opened[0]]:g}: the contact is "
+                "open"
             )
-            return
         limit = self.friction * self.normal_force
-        sliding = np.flatnonzero(loaded & (np.abs(self.shear_force) >= limit) & self._sheared)
+        sliding = np.flatnonzero(loaded & (np.abs(self.shear_force) >= limit) & self.sheared)
         if sliding.size:
             state = sliding[0]
-            yield (
-                f"  expected |Q| < f P in every step, found Q = {self.shear_force[state]:g} and "
-                f"f P = {limit[state]:g} at time {self.history.times[state]:g}: the contact slides"
+            raise ConvergenceError(
+                f"{title}expected |Q| < f P in every step, found Q = {self.shear_force[state]:g} "
+                f"and f P = {limit[state]:g} at time {times[state]:g}: the contact slides"
             )
 
     @property
-    def _sheared(self) -> Bools:
+    def sheared(self) -> Bools:
         """(T,) whether a shear force acts that is not round-off."""
         return np.abs(self.shear_force) > 1e-12 * self.normal_force.max()
 

@@ -139,7 +139,7 @@ MISTAKES = {
     "parameter out of range": (("upper_radius = 50", "upper_radius = 0"), 2, ["upper_radius"]),
     "sliding": (
         ("amplitude = 60", "amplitude = 300"),
-        4,
+        5,
         ["expected |Q| < f P", "Q = 300", "f P = 240", "at time 1.25"],
     ),
     "opening": (("ramp = -600", "ramp = 600"), 4, ["P > 0", "-150", "at time 0.25", "open"]),

@@ -20,7 +20,7 @@ from cases.pad_cases import PAD
 import fretfe
 from fretfe.case import parse_case
 from fretfe.checked import check
-from fretfe.errors import CaseError, FretfeError, ModelError
+from fretfe.errors import CaseError, ConvergenceError, FretfeError, ModelError
 
 DECK = (
     f"*NODE\n{NODES}*ELEMENT, TYPE=CPE4, ELSET=LOW\n{LOW}*ELEMENT, TYPE=CPE4, ELSET=UP\n{UP}"
@@ -480,7 +480,7 @@ def test_the_cause_is_named(tmp_path: Path, row: Row) -> None:
 GAP = "s [mm], gap [mm]\n-1, 1e6\n1, 1e6\n"
 HALF_PLANES = {
     "slides": (
-        ModelError,
+        ConvergenceError,
         "the contact slides",
         {"loads.shear.history": [HOLD, {**SHEAR, "amplitude": 300.0}]},
     ),
@@ -504,7 +504,17 @@ HALF_PLANES = {
         "loads.press: expected control = 'force'",
         {"loads.press.control": "displacement"},
     ),
-    "frictionless": (ModelError, "f P = 0", {"contacts.main.friction": 0.0}),
+    "pulled-off": (
+        ConvergenceError,
+        "found -11.25 at time",
+        {"loads.press.history": [PRESS, {**PRESS, "ramp": 300.0, "until": 2.0}]},
+    ),
+    "nothing": (ModelError, "found 0 at time", {"loads.press.history": [{**PRESS, "ramp": 0.0}]}),
+    "frictionless": (
+        CaseError,
+        "contacts.main.friction: expected friction, which alone carries",
+        {"contacts.main.friction": 0.0},
+    ),
     "gap": (CaseError, "contacts.main.gap: expected the gap", {"contacts.main.gap": "gap.csv"}),
     "stress": (CaseError, "output.stress_depths", {"output.stress_depths": [0.0]}),
 }

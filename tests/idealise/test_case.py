@@ -24,7 +24,7 @@ from reference.closed_forms import closed_contact
 
 from fretfe.analytic.profiles import FlatRounded, Hertz, Wedge
 from fretfe.case import parse_case
-from fretfe.errors import FretfeError
+from fretfe.errors import ConvergenceError, FretfeError, ModelError
 from fretfe.idealise import NotIdealisable, idealise, obstacles
 from fretfe.idealise.problem import contact_edges, governing_length
 
@@ -293,6 +293,26 @@ def test_reasons(tables: dict[str, Any], reason: str) -> None:
     assert reason in str(raised.value)
     found = obstacles(case)
     assert len(found) == 1 and reason in found[0]
+
+
+def test_friction_that_is_never_there_carries_no_shear() -> None:
+    """Without a shear force there is a solution without it."""
+    smooth = {"main": {**pad()["contacts"]["main"], "friction": 0.0}}
+    with pytest.raises(NotIdealisable, match=r"contacts.main.friction: expected friction, which"):
+        idealise(parse_case(pad(contacts=smooth)))
+    assert not idealise(parse_case(pad(contacts=smooth, loads={"press": press()}))).friction.any()
+
+
+@pytest.mark.parametrize(
+    ("force", "kind"), [(-600.0, ModelError), (0.0, ModelError), (600.0, ConvergenceError)]
+)
+def test_half_planes_that_are_pressed_once_and_those_that_never_are(
+    force: float, kind: type[FretfeError]
+) -> None:
+    history = [*press(force)["history"], {"ramp": 0.0, "until": 2.0, "steps": 1}]
+    with pytest.raises(kind, match=r"found (0|-150) at time") as raised:
+        idealise(parse_case(pad(loads={"press": {**press(), "history": history}})))
+    assert "-0 at" not in str(raised.value)
 
 
 def test_all_reasons_come_together() -> None:

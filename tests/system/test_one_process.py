@@ -26,7 +26,7 @@ def test_two_processes_make_one_run(tmp_path: Path) -> None:
 
 def test_two_processes_report_an_error_once(tmp_path: Path) -> None:
     done = run(tmp_path, HERTZ.replace("amplitude = 60", "amplitude = 300"), "halfplane")
-    assert done.returncode == 4
+    assert done.returncode == 5
     assert done.stderr.count("fretfe: error:") == 1
 
 
