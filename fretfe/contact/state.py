@@ -346,7 +346,7 @@ class Certificate:
     @property
     def worst(self) -> float:
         """Largest violation relative to its scale."""
-        tractions = max(self.adhesion, self.open_traction, self.cone)
+        tractions = max(0.0, self.adhesion, self.open_traction, self.cone)
         lengths = max(self.penetration, self.closed_gap, self.stuck_drift, self.slip_with_traction)
         return max(tractions / self.pressure_scale, lengths / self.gap_scale)
 
