@@ -63,7 +63,9 @@ class ContactForces:
         for body, sign in self._bodies(contact):
             alone = len(self._contacts(body)) == 1
             if alone and not (np.abs(self._held(body) @ normal) > PARALLEL).any():
-                return np.asarray(sign * self._on(body) @ normal)
+                load = self._on(body)
+                force, size = sign * load @ normal, np.linalg.norm(load, axis=1)
+                return np.where(np.abs(force) <= PARALLEL * size, 0.0, force)
         return None
 
     def guessed(self, contact: str, states: Indices) -> Array | None:

@@ -217,11 +217,35 @@ def expected_contacts(
 
 
 def require_pressed(case: Case, mesh: Mesh, history: History) -> None:
-    """Check that no contact is only ever pulled apart, where equilibrium gives its force.
+    """Check that loads press every contact at some time, where equilibrium gives its force.
 
     Raises:
-        ModelError: names the first that is.
+        ModelError: names the first that they do not.
     """
+    for name, bodies, force in _in_equilibrium(case, mesh, history):
+        if force.max() <= 0.0:
+            found = f"loads that pull them apart all the time, by up to {rounded(-force.min())}"
+            remedy = "turn them round"
+            if force.min() == 0.0:
+                found = "that P is 0 all the time, as nothing else holds or presses one of them"
+                remedy = "support it, or load it"
+            expected = f"contact {name}: expected loads that press {bodies} together"
+            raise ModelError(f"{expected}, found {found}: {remedy}")
+
+
+def pulled_off(case: Case, mesh: Mesh, history: History, state: int) -> str:
+    """Contacts that loads do not press together in a state, in words; empty without any."""
+    return " ".join(
+        f"By equilibrium P of contact {name} is {rounded(force[state])} at t = "
+        f"{history.times[state]:g}: nothing keeps {bodies} together. End the history before that, "
+        "or hold them by a support or a displacement."
+        for name, bodies, force in _in_equilibrium(case, mesh, history)
+        if force[state] <= 0.0
+    )
+
+
+def _in_equilibrium(case: Case, mesh: Mesh, history: History) -> Iterator[tuple[str, str, Array]]:
+    """Contacts whose force (T,) equilibrium gives, with the names of their bodies."""
     if case.geometry.part is not None:  # the run that drives it had contact
         return
     forces = ContactForces(case, mesh, history)
@@ -229,12 +253,8 @@ def require_pressed(case: Case, mesh: Mesh, history: History) -> None:
         facing = initial.surface2.normals[initial.facet2] @ contact_normal(initial)
         force = forces.exact(name)
         # around a shaft forces along the normal say nothing
-        if force is not None and force.max() <= 0.0 and force.min() < 0.0 and facing.min() > 0.0:
-            bodies = f"{initial.surface1.body!r} and {initial.surface2.body!r}"
-            raise ModelError(
-                f"contact {name}: expected loads that press {bodies} together, found loads that "
-                f"pull them apart all the time, by up to {rounded(-force.min())}: turn them round"
-            )
+        if force is not None and facing.min() > 0.0:
+            yield name, f"{initial.surface1.body!r} and {initial.surface2.body!r}", force
 
 
 def coarse_contacts(

@@ -18,7 +18,7 @@ from fretfe.bodies.beginning import read_beginning
 from fretfe.bodies.carried import require_carried
 from fretfe.bodies.continued import softest_layer
 from fretfe.bodies.definition import ModelDefinition, Pair, require_possible
-from fretfe.bodies.expected import require_pressed
+from fretfe.bodies.expected import pulled_off, require_pressed
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Wave, case_notes
 from fretfe.contact.interface import Place, Resultant
@@ -455,7 +455,8 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
         if not isinstance(error, StoppedError):
             done = recorder.steps_done
             hint = (
-                opened(recorder.solution(cycles.solved(done), {}))
+                pulled_off(case, prepared.mesh, cycles.longest, done + 1)
+                or opened(recorder.solution(cycles.solved(done), {}))
                 if recorder.contact_carries
                 else _never_pressed(steps[done + 1])
             )
