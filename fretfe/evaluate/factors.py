@@ -65,9 +65,9 @@ class FactorHistories:
         ways: (R, stations, T, d) in R ways.
         fitted: (stations, T, d) by fits to tractions; None without them.
         exact: True for closed forms.
-        one_sided: (stations,) what steps of the cycle may be wrong by in |K| of which one end only
-            is known.
-        uneven: (stations,) what they may be wrong by as edges move within them.
+        one_sided: (stations, T) what steps up to each state may be wrong by in |K| together of
+            which one end only is known.
+        uneven: (stations, T) what they may be wrong by as edges move within them.
         known: (T,) states whose own area tells the factors, of one of the stations at least.
     """
 
@@ -101,6 +101,31 @@ class FactorHistories:
 def cycle_range(history: Array, cycle: Indices) -> float:
     """Largest less smallest of a history (T,) over the states of a cycle; NaN without one."""
     return float(np.ptp(history[cycle])) if len(cycle) else np.nan
+
+
+def range_error(history: Array, error: Array, states: Indices) -> float:
+    """Error bar of the range of a history (T,) over states: what lies between its ends counts.
+
+    Args:
+        history: the factor.
+        error: (T,) what it may be wrong by since the beginning.
+        states: of the range; none gives 0.
+    """
+    if not len(states):
+        return 0.0
+    known = history[states], error[states]
+    return float(max(np.ptp(known[0] + known[1]), np.ptp(known[0] - known[1])) - np.ptp(known[0]))
+
+
+def misplaced_sums(history: Array, shares: Array) -> Array:
+    """(T,) what a factor may be wrong by since the beginning where its edge is misplaced.
+
+    Args:
+        history: (T,) the factor; steps to and from states in which it is not known do not count.
+        shares: (T,) what increments may be wrong by in a state, over themselves; NaN if not known.
+    """
+    either = np.fmax(shares[1:], shares[:-1])
+    return np.append(0.0, np.cumsum(np.nan_to_num(either * np.diff(history))))
 
 
 def pressed_on(

@@ -137,7 +137,7 @@ class ContactSteps:
             alone: whether each station counts by itself where it is unknown; otherwise all of them
                 are unknown where one is.
         """
-        drivers, cycle = self.solution.driver_values, self.swing
+        drivers = self.solution.driver_values
         ways: list[Array] = []
         known = np.zeros(len(drivers), dtype=bool)
         one_sided = uneven = np.empty(0)
@@ -147,10 +147,8 @@ class ContactSteps:
             # What steps may be wrong by is the same in all ways, to a part of itself.
             if not ways:
                 pairs = zip(groups, filled, strict=True)
-                one_sided = np.concatenate(
-                    [one_sided_share(*pair, drivers, cycle) for pair in pairs]
-                )
-                uneven = uneven_share(each, drivers, self.friction, cycle)
+                one_sided = np.concatenate([one_sided_sums(*pair, drivers) for pair in pairs])
+                uneven = uneven_sums(each, drivers, self.friction)
                 known = np.any([_known(group) for group in groups], axis=0)
             ways.append(np.concatenate([self._added(group) for group in filled]))
         fitted = None
@@ -303,10 +301,8 @@ def beside_known(units: Array, small: Bools) -> Array:
     return np.asarray(units[np.where(lost, source, states)])
 
 
-def one_sided_share(
-    units: Array, filled: Array, drivers: Array, cycle: tuple[int, int] | None
-) -> Array:
-    """(stations,) half of what the steps of a cycle add to |K| of which one end only is known.
+def one_sided_sums(units: Array, filled: Array, drivers: Array) -> Array:
+    """(stations, T) half of what steps up to each state add to |K| of which one end only is known.
 
     Their increments take the factors of that end for those of both, and factors may change as much
     within a step as over it where the contact is about to open or hardly resolved.
@@ -315,23 +311,16 @@ def one_sided_share(
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
         filled: the same, as of `within_known`.
         drivers: (T, J) values of the drivers.
-        cycle: its first and last state, or None.
     """
-    if cycle is None:
-        return np.zeros(units.shape[1])
-    states = slice(cycle[0], cycle[1] + 1)
-    known = _known(units[states])
-    steps = np.diff(drivers[states], axis=0)
-    increments = _mean_of_ends(filled[states], steps)[:, :, Factor.K_T :]
+    known = _known(units)
+    increments = _mean_of_ends(filled, np.diff(drivers, axis=0))[:, :, Factor.K_T :]
     increments = np.linalg.norm(increments, axis=2)
     one_end = ~(known[1:] & known[:-1]) & np.isfinite(increments).all(axis=1)
-    return np.asarray(increments[one_end].sum(axis=0) / 2)
+    return _summed(np.where(one_end[:, None], increments, 0.0) / 2)
 
 
-def uneven_share(
-    units: Array, drivers: Array, friction: Bools, cycle: tuple[int, int] | None
-) -> Array:
-    """(stations,) error bar by what the steps of a cycle may be wrong by in |K| as an edge moves.
+def uneven_sums(units: Array, drivers: Array, friction: Bools) -> Array:
+    """(stations, T) what steps up to each state may be wrong by in |K| as an edge moves.
 
     Within a step what the loads add to K per part of it changes as the edge moves, and not evenly.
     The mean of both ends exceeds their harmonic mean by du^2/(2 (u1 + u2)); for loads on a line and
@@ -344,15 +333,14 @@ def uneven_share(
         units: (T, stations, d, J) factors for a unit of each driver; NaN where unknown.
         drivers: (T, J) values of the drivers.
         friction: (T,) whether there is any in the step that ends at each state.
-        cycle: its first and last state, or None.
     """
-    if cycle is None:
-        return np.zeros(units.shape[1])
-    states = slice(cycle[0], cycle[1] + 1)
-    factors, steps = units[states, :, Factor.K_T :], np.diff(drivers[states], axis=0)
-    steps[~friction[states][1:]] = 0.0
+    factors, steps = units[:, :, Factor.K_T :], np.diff(drivers, axis=0) * friction[1:, None]
     begin, end = (np.einsum("tsdj,tj->tsd", each, steps) for each in (factors[:-1], factors[1:]))
     size = np.linalg.norm(begin, axis=2) + np.linalg.norm(end, axis=2)
     change = np.linalg.norm(end - begin, axis=2)
-    errors = np.divide(change**2, size, where=size > 0, out=np.zeros_like(size))
-    return np.asarray(1.5 * errors.sum(axis=0))
+    return _summed(1.5 * np.divide(change**2, size, where=size > 0, out=np.zeros_like(size)))
+
+
+def _summed(errors: Array) -> Array:
+    """(stations, T) sums of errors (T - 1, stations) of the steps up to each state."""
+    return np.pad(np.cumsum(np.nan_to_num(errors), axis=0), ((1, 0), (0, 0))).T

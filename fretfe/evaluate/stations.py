@@ -31,6 +31,7 @@ from fretfe.evaluate.factors import (
     along_line,
     cycle_range,
     main_direction,
+    range_error,
     reference_length,
     reversed_share,
     sliding_apart,
@@ -409,13 +410,16 @@ def range_spread(
         path: loads of the cycle between its steps, unless they are straight lines.
     """
     ways = along_line(factors.ways[:, number], direction)
-    ranges = [cycle_range(way, cycle) for way in ways]
+    ranges, mean = [cycle_range(way, cycle) for way in ways], ways.mean(axis=0)
     # One way alone has no spread unless it is exact.
     alone = 0.0 if factors.exact else math.nan
+    one_sided, uneven = (
+        range_error(mean, each[number], cycle) for each in (factors.one_sided, factors.uneven)
+    )
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
-        discretisation=float(np.linalg.norm([factors.one_sided[number], *unresolved])),
-        steps=excess(ways.mean(axis=0), path) + float(factors.uneven[number]),
+        discretisation=float(np.linalg.norm([one_sided, *unresolved])),
+        steps=excess(mean, path) + uneven,
     )
 
 

@@ -9,8 +9,8 @@ import pytest
 from fretfe.evaluate.increments import (
     add_up,
     beside_known,
-    one_sided_share,
-    uneven_share,
+    one_sided_sums,
+    uneven_sums,
     within_known,
 )
 from fretfe.evaluate.numerics import count_up
@@ -104,8 +104,8 @@ def test_states_within_a_step_take_the_factors_of_its_known_end() -> None:
     np.testing.assert_array_equal(found, each[same])
     assert within_known(each, None) is each
     # Half of three parts that touch, two that open, and the step behind: K_T = 4, 6 and 2 each.
-    share = one_sided_share(each, found, np.arange(8.0)[:, None], (0, 7))
-    assert share == pytest.approx([(3 * 4 + 2 * 6 + 2) / 2] * 2)
+    sums = one_sided_sums(each, found, np.arange(8.0)[:, None])
+    np.testing.assert_allclose(sums, [[0, 2, 4, 6, 6, 9, 12, 13]] * 2)
 
 
 def test_small_states_take_the_factors_beside_them() -> None:
@@ -129,8 +129,9 @@ def test_bars_of_steps_hold_what_edges_that_move_change() -> None:
     found[:, 0, Factor.K_T] = [[1.0, 1e3, -1e3], [2**-0.5, 2e3, -2e3]]
     drivers = np.array([[0.0, 0.0, 0.0], [1.0, 1.0, 1.0]])
     acts = np.ones(2, dtype=bool)
-    (bar,) = uneven_share(found, drivers, acts, (0, 1))
+    ((start, bar),) = uneven_sums(found, drivers, acts)
+    assert start == 0.0
     exact = (4**0.75 - 1) / 0.75 / 3
     off = (1 + 2**-0.5) / 2 - exact
     assert 0.9 * off < bar < 4 * off
-    np.testing.assert_allclose(uneven_share(found[..., :1], drivers[:, :1], acts, (0, 1)), bar)
+    np.testing.assert_allclose(uneven_sums(found[..., :1], drivers[:, :1], acts)[0, 1], bar)

@@ -13,7 +13,14 @@ import numpy as np
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import Frame, SlipZone, Station
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.factors import SMALLEST_MOVE, FactorHistories, along_line, cycle_range
+from fretfe.evaluate.factors import (
+    SMALLEST_MOVE,
+    FactorHistories,
+    along_line,
+    cycle_range,
+    misplaced_sums,
+    range_error,
+)
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
@@ -138,10 +145,16 @@ class PlaneEdges(EdgeData):
         cylinders and twice on wedges. In what they do just before they part they slide.
         """
         cycle, touching = cycle_states(self.steps.whole.cycle), self.steps.touching
+        proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
         if touching[cycle].all():
-            missed = left_out(self.steps.whole.cycle, states, self.force) * swing
+            whole = along[cycle]
+            if not np.isfinite(whole).all():
+                return proportional
             # Full stick has factors up to P = 0, with areas that are hardly known.
-            return missed + float(np.nan_to_num(cycle_range(along, cycle) - swing))
+            lost = ~np.isin(cycle, states)
+            added = np.abs(np.diff(whole)) * (lost[1:] | lost[:-1])
+            error = np.append(0.0, np.cumsum(added))
+            return range_error(whole, error, np.arange(len(cycle))) + float(np.ptp(whole)) - swing
         touched = np.maximum.accumulate(np.where(touching, 0, np.arange(len(along))))
         # A patch begins anew where it appears, also where others were before.
         since = np.where(self.contact.exists, along - along[touched], 0.0)
@@ -154,7 +167,6 @@ class PlaneEdges(EdgeData):
             return missed
         shear = float(self.contact.mean_traction[begin, :, 1] @ self.contact.surface.weights)
         first = abs(shear) / (math.pi * math.sqrt(2 * self.half_width[begin]))
-        proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
         return max(missed, proportional, 2 * first - abs(float(along[begin] - along[states[0]])))
 
     @cached_property
@@ -329,10 +341,14 @@ def unresolved(
         cycle: states of the evaluated cycle.
     """
     directions = [direction for direction, _ in histories.directions(cycle)]
-    mean = map(along_line, histories.ways.mean(axis=0), directions)
+    mean = [*map(along_line, histories.ways.mean(axis=0), directions)]
     ranges = [cycle_range(each, cycle) for each in mean]
-    misplaced = _misplaced(fits, arc, cycle, WITHIN_GRID if histories.exact else WITHIN_ELEMENT)
-    parts = [[share * max(ranges, default=np.nan)] for share in misplaced]
+    largest = mean[int(np.argmax(ranges))]
+    shares = _misplaced(fits, arc, WITHIN_GRID if histories.exact else WITHIN_ELEMENT)
+    parts = [
+        [range_error(own, misplaced_sums(largest, share), cycle)]
+        for own, share in zip(mean, shares, strict=True)
+    ]
     if histories.fitted is not None:
         for own, known, line, fitted in zip(
             parts, ranges, directions, histories.fitted, strict=True
@@ -343,15 +359,13 @@ def unresolved(
     return parts
 
 
-def _misplaced(fits: Sequence[EdgeFit], arc: Array, cycle: Indices, elements: float) -> list[float]:
-    """Half the error of each edge over the half-width, where that is largest in the cycle."""
-    positions = np.array([fit.position[cycle] for fit in fits])
-    half_width = np.ptp(positions, axis=0) / 2
-    sizes = np.diff(arc)
+def _misplaced(fits: Sequence[EdgeFit], arc: Array, elements: float) -> list[Array]:
+    """(T,) half the error of each edge over the half-width; NaN where it is not known."""
+    positions = np.array([fit.position for fit in fits])
+    half_width, sizes = np.ptp(positions, axis=0) / 2, np.diff(arc)
     shares = []
     for position, fit in zip(positions, fits, strict=True):
         size = sizes[np.clip(np.searchsorted(arc, position) - 1, 0, len(sizes) - 1)]
         # The two errors are independent, but the larger one counts.
-        error = np.hypot(elements * size, fit.spread_position[cycle])
-        shares.append(float(np.max(error / (2 * half_width), initial=0.0)))
+        shares.append(np.hypot(elements * size, fit.spread_position) / (2 * half_width))
     return shares

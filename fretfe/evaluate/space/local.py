@@ -595,8 +595,16 @@ def _pose(
     k = np.column_stack([k_t, station.k_s])[kept]
     k_i = k_i[kept] - k_i[station.last]
     grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
-    lost = np.flatnonzero(~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5)))
-    first = max(int(lost[-1]) + 1 if len(lost) else 0, path.first)
+    states = np.arange(len(kept))
+    lost = ~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5))
+    if path.cycle is None:
+        # Behind the last half cycle that is told all stays as it was: what opens then is no matter.
+        told = kept <= max(
+            (each.end for each in station.slip_zones if not each.unknown), default=-1
+        )
+        before, lost = np.maximum.accumulate(np.where(told, states, 0)), lost & told
+        k, k_i = k[before], k_i[before]
+    first = max(int(np.flatnonzero(lost)[-1]) + 1 if lost.any() else 0, path.first)
     if first > path.begin:
         return (
             "K_T, K_S or K_I are unknown, or the contact nearly opens, as late as in state "
@@ -614,7 +622,6 @@ def _pose(
     along = replace(station, k_t=station.k_along)
     friction = path.contact.edge_friction(station.places)
     worst = worst_cycle(station.cycles, cycle_states(path.evaluated), friction, along)
-    states = np.arange(len(kept))
     return _Edge(
         station=station,
         bodies=EdgeBodies.of(pair, station.frame),

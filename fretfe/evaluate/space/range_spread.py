@@ -9,7 +9,13 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import NEAR_FREE_END
-from fretfe.evaluate.factors import FactorHistories, cycle_range, main_direction
+from fretfe.evaluate.factors import (
+    FactorHistories,
+    cycle_range,
+    main_direction,
+    misplaced_sums,
+    range_error,
+)
 from fretfe.evaluate.space.fronts import SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
 from fretfe.history.solution import Factor
@@ -68,39 +74,39 @@ def unresolved(
     # At the ends of an open front factors grow out of all proportion.
     inner = front.frames.to_free_end > front.depth
     mean = histories[inner if inner.any() else slice(None)]
-    known = [size for each in mean if np.isfinite(size := _largest(each, cycle))]
+    sizes = [_largest(each, cycle) for each in mean]
+    known = [size for size in sizes if np.isfinite(size)]
     largest = max(known, default=np.nan)
     # Where a contact is long the rest of its border counts too; elements are coarse at sharp ends.
     radius = 1 / max(abs(float(front.frames.curvature[station])), 1e-300)
     room = farthest(float(front.depth[station]), radius) / front.sectors[station].size
     cramped = CRAMPED * max(1 / room - 1 / SHORTEST_WAY, 0.0) * largest
     width = min(front.depth[station], np.median(front.depth), radius)
-    misplaced = _misplaced(front, fit, station, cycle, width) * largest
+    misplaced = np.nan
+    if known:
+        growing = mean[int(np.nanargmax(sizes))]
+        growing = growing @ main_direction(growing, cycle)[0]
+        shares = _misplaced(front, fit, station, width)
+        own = histories[station] @ direction
+        misplaced = range_error(own, misplaced_sums(growing, shares), cycle)
     layers = front.sectors[station].along_size / float(front.frames.to_free_end[station])
     near = NEAR_FREE_END * layers**2 * float(abs(swing[station]))
     along = _bent(swing, front, station), _beside(swing, front, station)
     return [misplaced, cramped, near if math.isfinite(near) else 0.0, *along]
 
 
-def _misplaced(
-    front: SpaceFront, fit: FrontFit, station: int, cycle: Indices, width: float
-) -> float:
-    """Error of the place of a front over a width, where that is largest in the cycle.
-
-    In a state whose place is unknown nothing is used: its steps have a part of their own.
+def _misplaced(front: SpaceFront, fit: FrontFit, station: int, width: float) -> Array:
+    """(T,) error of the place of a front over a width; NaN where the place is not known.
 
     Args:
         front: in the reference state.
         fit: of all states.
         station: of the front.
-        cycle: states of the cycle.
         width: in the reference state.
     """
-    places, bars = fit.place[cycle, station], fit.place_spread[cycle, station]
-    known = np.isfinite(places)
-    error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, bars[known])
-    narrowed = np.clip(width - places[known], 0.1 * width, width)
-    return float(np.max(error / narrowed)) if known.any() else np.nan
+    places, bars = fit.place[:, station], fit.place_spread[:, station]
+    error = np.hypot(WITHIN_ELEMENT * front.sectors[station].size, bars)
+    return np.asarray(error / np.clip(width - places, 0.1 * width, width))
 
 
 def _swing(histories: Array, station: int, direction: Array, cycle: Indices) -> Array:

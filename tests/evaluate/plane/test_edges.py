@@ -39,8 +39,8 @@ def histories(ways: list[float], fitted: float | None = None) -> FactorHistories
         ways=np.array([of(each) for each in ways]),
         fitted=of(fitted) if fitted is not None else None,
         exact=True,
-        one_sided=np.zeros(2),
-        uneven=np.zeros(2),
+        one_sided=np.zeros((2, T)),
+        uneven=np.zeros((2, T)),
         known=np.ones(0, dtype=bool),
     )
 
@@ -89,9 +89,16 @@ def test_discretisation_holds_fits_elements_edges_and_half_known_steps() -> None
     both = spreads(replace(histories([1.0, 1.0]), exact=False), spread=0.05)
     share = np.hypot(0.0475, 0.05) / (2 * HALF_WIDTH)
     assert [each.discretisation for each in both] == pytest.approx([share * RANGE] * 2)
-    half_known = replace(histories([1.0, 1.0]), one_sided=np.array([0.2, 0.0]))
-    held = [np.hypot(each, GRID * RANGE) for each in (0.2, 0.0)]
-    assert [each.discretisation for each in spreads(half_known)] == pytest.approx(held)
+
+
+@pytest.mark.parametrize(("step", "counts"), [(0, False), (4, True), (7, False)])
+def test_half_known_steps_count_between_the_ends_of_the_range(step: int, counts: bool) -> None:
+    """What a step may be wrong by is that of its increment: of no use to a range beside it."""
+    wrong = np.zeros((2, T))
+    wrong[0, step + 1 :] = 0.01 * RANGE
+    found, _ = spreads(replace(histories([1.0, 1.0]), one_sided=wrong))
+    expected = np.hypot(0.01 * counts, GRID) * RANGE
+    assert found.discretisation == pytest.approx(expected)
 
 
 def test_steps_miss_what_lies_between_them() -> None:

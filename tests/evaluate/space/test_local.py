@@ -610,6 +610,25 @@ def test_unknown_factors_in_the_cycle_are_told_with_their_state(bare: Result) ->
     assert f"as late as in state {count - 3}" in stations(result)[0].local.reason
 
 
+def test_what_opens_behind_the_last_half_cycle_is_no_matter(bare: Result, solid: Result) -> None:
+    """Bodies part in the last state, and with fine steps factors are lost some states before."""
+    count, (contact,) = len(bare.loads.times), bare.solution.contacts
+    parted = np.array(contact.mean_traction)
+    parted[-1] = 0.0
+    opened = replace(bare.solution, contacts=(replace(contact, mean_traction=parted),))
+
+    def lost(station: Station) -> Station:
+        k_t = np.where(np.arange(count) < count - 3, station.k_t, np.nan)
+        return replace(station, k_t=k_t, slip_zones=station.slip_zones[:-1])
+
+    result = solved(with_stations(replace(bare, root_solution=opened), lost))
+    for station, other in zip(stations(result), stations(solid), strict=True):
+        assert not station.local.reason
+        assert station.slip_zones[-1].end < count - 3
+        found = station.slip_zones[-1].local
+        assert found == pytest.approx(other.slip_zones[-1].local, rel=0.01)
+
+
 def test_what_is_refused(solid: Result) -> None:
     known = r"expected one of the edges main\.1\.0 to main\.1\.11, found "
     for name in ("none", "main.2.0", "main.1.12", "main:1"):

@@ -38,8 +38,8 @@ def test_where_integrals_have_few_elements_the_bar_holds_it(
         ways,
         None,
         exact=False,
-        one_sided=np.zeros(STATIONS),
-        uneven=np.zeros(STATIONS),
+        one_sided=np.zeros((STATIONS, 3)),
+        uneven=np.zeros((STATIONS, 3)),
         known=np.ones(0, dtype=bool),
     )
     front = copy(circle.front)
