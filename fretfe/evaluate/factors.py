@@ -111,10 +111,8 @@ def range_error(history: Array, error: Array, states: Indices) -> float:
         error: (T,) what it may be wrong by since the beginning.
         states: of the range; none gives 0.
     """
-    if not len(states):
-        return 0.0
-    known = history[states], error[states]
-    return float(max(np.ptp(known[0] + known[1]), np.ptp(known[0] - known[1])) - np.ptp(known[0]))
+    ranges = [cycle_range(history + sign * error, states) for sign in (-1.0, 0.0, 1.0)]
+    return max(ranges) - ranges[1] if len(states) else 0.0
 
 
 def misplaced_sums(history: Array, shares: Array) -> Array:

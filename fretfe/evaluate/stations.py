@@ -413,13 +413,11 @@ def range_spread(
     ranges, mean = [cycle_range(way, cycle) for way in ways], ways.mean(axis=0)
     # One way alone has no spread unless it is exact.
     alone = 0.0 if factors.exact else math.nan
-    one_sided, uneven = (
-        range_error(mean, each[number], cycle) for each in (factors.one_sided, factors.uneven)
-    )
+    one_sided = range_error(mean, factors.one_sided[number], cycle)
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
         discretisation=float(np.linalg.norm([one_sided, *unresolved])),
-        steps=excess(mean, path) + uneven,
+        steps=excess(mean, path) + range_error(mean, factors.uneven[number], cycle),
     )
 
 

@@ -148,13 +148,11 @@ class PlaneEdges(EdgeData):
         proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
         if touching[cycle].all():
             whole = along[cycle]
-            if not np.isfinite(whole).all():
+            if not (len(whole) and np.isfinite(whole).all()):
                 return proportional
             # Full stick has factors up to P = 0, with areas that are hardly known.
-            lost = ~np.isin(cycle, states)
-            added = np.abs(np.diff(whole)) * (lost[1:] | lost[:-1])
-            error = np.append(0.0, np.cumsum(added))
-            return range_error(whole, error, np.arange(len(cycle))) + float(np.ptp(whole)) - swing
+            sums = misplaced_sums(whole, np.where(np.isin(cycle, states), 0.0, 1.0))
+            return range_error(whole, sums, np.arange(len(cycle))) + float(np.ptp(whole)) - swing
         touched = np.maximum.accumulate(np.where(touching, 0, np.arange(len(along))))
         # A patch begins anew where it appears, also where others were before.
         since = np.where(self.contact.exists, along - along[touched], 0.0)
@@ -343,10 +341,9 @@ def unresolved(
     directions = [direction for direction, _ in histories.directions(cycle)]
     mean = [*map(along_line, histories.ways.mean(axis=0), directions)]
     ranges = [cycle_range(each, cycle) for each in mean]
-    largest = mean[int(np.argmax(ranges))]
     shares = _misplaced(fits, arc, WITHIN_GRID if histories.exact else WITHIN_ELEMENT)
     parts = [
-        [range_error(own, misplaced_sums(largest, share), cycle)]
+        [range_error(own, misplaced_sums(mean[int(np.argmax(ranges))], share), cycle)]
         for own, share in zip(mean, shares, strict=True)
     ]
     if histories.fitted is not None:
@@ -359,13 +356,10 @@ def unresolved(
     return parts
 
 
-def _misplaced(fits: Sequence[EdgeFit], arc: Array, elements: float) -> list[Array]:
-    """(T,) half the error of each edge over the half-width; NaN where it is not known."""
+def _misplaced(fits: Sequence[EdgeFit], arc: Array, elements: float) -> Array:
+    """(2, T) half the error of each edge over the half-width; NaN where it is not known."""
     positions = np.array([fit.position for fit in fits])
-    half_width, sizes = np.ptp(positions, axis=0) / 2, np.diff(arc)
-    shares = []
-    for position, fit in zip(positions, fits, strict=True):
-        size = sizes[np.clip(np.searchsorted(arc, position) - 1, 0, len(sizes) - 1)]
-        # The two errors are independent, but the larger one counts.
-        shares.append(np.hypot(elements * size, fit.spread_position) / (2 * half_width))
-    return shares
+    sizes = np.diff(arc)[np.clip(np.searchsorted(arc, positions) - 1, 0, arc.size - 2)]
+    # The two errors are independent, but the larger one counts.
+    errors = np.hypot(elements * sizes, [fit.spread_position for fit in fits])
+    return np.asarray(errors / np.ptp(positions, axis=0))

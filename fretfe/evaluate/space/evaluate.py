@@ -175,7 +175,7 @@ def _factors(
     front, integrals = track.front, contact.integrals
     if integrals is None:
         nothing = np.full((1, *track.fit.place.T.shape, 3), np.nan)
-        unknown = nothing[0, :, 0, 0]
+        unknown = nothing[0, :, :, 0]
         states = np.zeros(len(track.fit.place), dtype=bool)
         return FactorHistories(nothing, None, False, unknown, unknown, states)
     known, power = integrals.positions[:, stations], GROWTH[front.frames.closed]

@@ -82,13 +82,10 @@ def unresolved(
     room = farthest(float(front.depth[station]), radius) / front.sectors[station].size
     cramped = CRAMPED * max(1 / room - 1 / SHORTEST_WAY, 0.0) * largest
     width = min(front.depth[station], np.median(front.depth), radius)
-    misplaced = np.nan
-    if known:
-        growing = mean[int(np.nanargmax(sizes))]
-        growing = growing @ main_direction(growing, cycle)[0]
-        shares = _misplaced(front, fit, station, width)
-        own = histories[station] @ direction
-        misplaced = range_error(own, misplaced_sums(growing, shares), cycle)
+    growing = mean[int(np.argmax(np.nan_to_num(sizes)))]
+    growing = growing @ main_direction(growing, cycle)[0]
+    sums = misplaced_sums(growing, _misplaced(front, fit, station, width))
+    misplaced = range_error(histories[station] @ direction, sums, cycle)
     layers = front.sectors[station].along_size / float(front.frames.to_free_end[station])
     near = NEAR_FREE_END * layers**2 * float(abs(swing[station]))
     along = _bent(swing, front, station), _beside(swing, front, station)
