@@ -455,8 +455,8 @@ def _march(prepared: Prepared, case: Case, history: History, options: RunOptions
         if not isinstance(error, StoppedError):
             done = recorder.steps_done
             hint = (
-                pulled_off(case, prepared.mesh, cycles.longest, done + 1)
-                or opened(recorder.solution(cycles.solved(done), {}))
+                opened(recorder.solution(cycles.solved(done), {}))
+                or pulled_off(case, prepared.mesh, cycles.longest, done + 1)
                 if recorder.contact_carries
                 else _never_pressed(steps[done + 1])
             )
