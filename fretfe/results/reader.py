@@ -222,10 +222,10 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         versions=numbers["versions"],
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
-        limits=tuple(restored(ModelLimit, each) for each in _listed(numbers["limits"])),
+        limits=_as(tuple[ModelLimit, ...], numbers["limits"]),
         refinement=restored_refinement(refinement) if refinement else None,
         directory=directory,
-        faults=tuple(restored(Fault, each) for each in _listed(numbers["faults"])),
+        faults=_as(tuple[Fault, ...], numbers["faults"]),
     )
 
 
