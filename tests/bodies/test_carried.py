@@ -98,19 +98,23 @@ def test_what_only_contact_holds_slides_without_friction() -> None:
         slid(0.0, 1.0)
 
 
-@pytest.mark.parametrize("shear", [0.0, 1.0])
-def test_a_platen_that_does_not_push_may_slide(shear: float) -> None:
-    """P does no work in the motion along the surface but for round-off."""
+def pressed_and_pushed(shear: float) -> dict[str, Any]:
+    """Platens with a normal force and a shear force, as `loads`."""
     top = {"type": "platen", "boundary": "upper_top", "control": "force"}
-    platens = {
+    return {
         "press": {**top, "direction": "y", "history": sectors.ramp(-600.0)},
         "push": {**top, "direction": "x", "history": sectors.ramp(shear)},
     }
-    if not shear:
-        slid(0.0, 0.0, loads=platens)
-        return
+
+
+def test_a_platen_that_does_not_push_may_slide() -> None:
+    """P does no work in the motion along the surface but for round-off."""
+    slid(0.0, 0.0, loads=pressed_and_pushed(0.0))
+
+
+def test_a_platen_that_pushes_without_friction_is_named() -> None:
     with pytest.raises(CaseError, match=r"loads.push: .* a force of 1 N"):
-        slid(0.0, 0.0, loads=platens)
+        slid(0.0, 0.0, loads=pressed_and_pushed(1.0))
 
 
 FACES = {
