@@ -24,9 +24,10 @@ from matplotlib.contour import QuadContourSet
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from fretfe.analytic.edges import asymptote_error, tension_for_zero_factor
+from fretfe.analytic.edges import asymptote_error, slip_length_loop, tension_for_zero_factor
 from fretfe.analytic.profiles import FlatRounded, Hertz, Profile, Wedge
 from fretfe.environment import rank_from_environment
+from fretfe.evaluate.contacts import SlipZone, Station
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
 from fretfe.idealise import HalfPlaneProblem
@@ -90,13 +91,20 @@ def slip_errors(profile: Profile, normal: Array, shear: Array, tension: Array) -
         )
     )  # fmt: skip
     (contact,) = evaluate(outcome.solution, outcome.unit_factors)
-    zones = [zone for edge in contact.stations for zone in edge.slip_zones[-2:]]
-    found = np.array([zone.length for zone in zones])
-    predicted = np.array([zone.prediction for zone in zones])
-    known = np.array([zone.resolved and not zone.gross for zone in zones])
+    pairs = [(edge, zone) for edge in contact.stations for zone in edge.slip_zones[-2:]]
+    found = np.array([zone.length for _, zone in pairs])
+    predicted = np.array([by_formula(edge, zone, cycle) for edge, zone in pairs])
+    known = np.array([zone.resolved and not zone.gross for _, zone in pairs])
     scale = float(profile.load(HALF_WIDTH) / profile.load_slope(HALF_WIDTH))
     counts = ~(np.fmax(found, predicted) < SHORTEST * scale)
     return np.where(known, predicted / np.where(found > 0, found, np.nan) - 1, np.nan)[counts]
+
+
+def by_formula(edge: Station, zone: SlipZone, cycle: tuple[int, int]) -> float:
+    """Length of a slip zone by the factors in a cycle: (11), at constant P (9) and (10)."""
+    first, last = cycle
+    k_t, k_i = edge.k_t[first : last + 1], edge.k_i[first : last + 1]
+    return float(slip_length_loop(k_t, k_i, float(edge.k_n[zone.end]), FRICTION, zone.end - first))
 
 
 def worst(errors: Array) -> float:

@@ -68,15 +68,22 @@ def combine_blocks(
     trial: npt.NDArray[np.float64],
     out: npt.NDArray[np.float32] | npt.NDArray[np.float64],
 ) -> None: ...
-def follow_memory(
-    k_t: npt.NDArray[np.float64],
-    retreat: npt.NDArray[np.float64],
-    radius: npt.NDArray[np.float64],
-    in_steps: bool,
-    from_: int,
-    to: int,
-    memory: npt.NDArray[np.float64],
-) -> None: ...
+def follow_edge(
+    hold: npt.NDArray[np.float64],
+    shear: npt.NDArray[np.float64],
+    friction: npt.NDArray[np.float64],
+    slid: npt.NDArray[np.float64],
+    touching: npt.NDArray[np.bool_],
+    first: int,
+    base: float,
+    at_once: bool,
+) -> tuple[
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.int64],
+    npt.NDArray[np.float64],
+    npt.NDArray[np.float64],
+]: ...
 def use_routines(single: list[int], double: list[int]) -> None: ...
 def use_threads(count: int) -> None: ...
 def factorise(

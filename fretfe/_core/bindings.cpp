@@ -19,6 +19,7 @@ namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Tables = nb::ndarray<const double, nb::ndim<5>, nb::c_contig, nb::device::cpu>;
+using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Sides = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using fretfe::Numbers, fretfe::Table, fretfe::Values;
 
@@ -133,14 +134,28 @@ auto fit_moments(Tables tables, double first, double step, Table shares, Table m
   });
 }
 
-void follow_memory(Values k_t, Values retreat, Values radius, bool in_steps, std::size_t from,
-                   std::size_t to,
-                   nb::ndarray<double, nb::ndim<1>, nb::c_contig, nb::device::cpu> memory) {
-  if (retreat.shape(0) != k_t.shape(0) || memory.shape(0) != radius.shape(0) || to >= k_t.shape(0))
+nb::tuple follow_edge(Values hold, Values shear, Values friction, Values slid, Flags touching,
+                      std::size_t first, double base, bool at_once) {
+  namespace own = fretfe::edge_memory;
+  const std::size_t count = hold.shape(0);
+  if (shear.shape(0) != count || friction.shape(0) != count || slid.shape(0) != count ||
+      touching.shape(0) != count || first >= count)
     throw nb::value_error("the arrays do not fit one another");
-  nb::gil_scoped_release release;
-  fretfe::edge_memory::follow({k_t.data(), retreat.data()}, {radius.data(), radius.shape(0)},
-                              in_steps, from, to, memory.data());
+  own::Followed found;
+  {
+    nb::gil_scoped_release release;
+    found = own::follow(
+        {hold.data(), shear.data(), friction.data(), slid.data(), touching.data(), count}, first,
+        base, at_once);
+  }
+  const auto same = [](double value) { return value; };
+  return nb::make_tuple(
+      column(found.way, same), column(found.front, same),
+      column(found.slices, [](const auto &each) { return each.state; }),
+      rows(found.slices,
+           [](const auto &each) { return std::array<double, 3>{each.low, each.high, each.taken}; }),
+      rows(found.locked,
+           [](const auto &each) { return std::array<double, 2>{each.low, each.share}; }));
 }
 
 } // namespace
@@ -166,8 +181,9 @@ NB_MODULE(_kernels, m) {
         "Series behind fronts by least squares to moments (m, bumps): place, first factor, second "
         "over first, errors of place and first factor, sum of squares left, (m, 6). Tables "
         "(exponents, 4, pieces, bumps, columns) are cubic between places, shares (m, exponents).");
-  m.def("follow_memory", &follow_memory, "k_t"_a, "retreat"_a, "radius"_a, "in_steps"_a, "from_"_a,
-        "to"_a, nb::arg("memory").noconvert(),
-        "Lead what places (m,) remember after a state to what they do after a later one: K_T and "
-        "f K_I below its largest value at states (n,), f K_N y / 2 at places (m,).");
+  m.def("follow_edge", &follow_edge, "hold"_a, "shear"_a, "friction"_a, "slid"_a, "touching"_a,
+        "first"_a, "base"_a, "at_once"_a,
+        "Follow what an edge remembers through states (n,) from one on: way and front of the slip "
+        "in the step to each, states (m,) and lowest and highest hold and shear taken (m, 3) of "
+        "all slices, and lowest hold and share (k, 2) of what is locked in at the end.");
 }

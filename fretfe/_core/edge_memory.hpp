@@ -1,27 +1,45 @@
 // SPDX-License-Identifier: LGPL-3.0-or-later
-// Shear that places next to an edge remember.
+// What an edge that P moves remembers of the shear with which it covered and left places.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 namespace fretfe::edge_memory {
 
-/// An edge at states: K_T, and what f K_I is below its largest value.
-struct Edge {
-  const double *k_t, *retreat;
-};
-
-/// Places next to it: half of f K_N y, increasing with the depth y.
-struct Places {
-  const double *radius;
+/// What loads an edge at states: its hold, the shear, the coefficient in the step to each state, the
+/// way in which all slips in it or zero, and whether the bodies touch.
+struct Loads {
+  const double *hold, *shear, *friction, *slid;
+  const bool *touching;
   std::size_t count;
 };
 
-/// Leads what places remember after one state to what they do after a later one.
+/// Places from a hold up to that of the next ones, and the part of f p they are locked in with.
+struct Segment {
+  double low, share;
+};
+
+/// Places that slip takes in a step, by their holds, and how much of the shear it takes there.
+struct Slice {
+  std::int64_t state;
+  double low, high, taken;
+};
+
+/// The step to each state: 1 where slip is forward, -1 backward, 0 without; and the hold of the
+/// place that it comes to, NaN without slip.
+struct Followed {
+  std::vector<double> way, front;
+  std::vector<Slice> slices;
+  std::vector<Segment> locked;
+};
+
+/// Follows an edge from one state on, at which places that have held more than `base` are free.
 ///
-/// A place sticks while K_T is within its radius of what it remembers, f K_I counted. The edge
-/// covers places at the beginning of a step, or in the course of it.
-void follow(const Edge &edge, const Places &places, bool in_steps, std::size_t from, std::size_t to,
-            double *memory);
+/// Places are covered with the ratio of the step, or with all of f p if that is more; what is left
+/// over slips from the edge inward, and each place takes what its own share leaves.
+/// All at the beginning of a step instead, as nodes close in a solved one, if `at_once`.
+Followed follow(const Loads &loads, std::size_t first, double base, bool at_once);
 
 } // namespace fretfe::edge_memory

@@ -29,6 +29,8 @@ LARGEST_ZONE_SPREAD = 0.1
 # Error bar, relative to its number, beyond which tables show no number.
 NO_NUMBER = 0.5
 # Range of (K_T, K_S) over f K_I that drives no slip worth the name, over less than .5 % of the
+# Part of the hold of an edge within which it is at rest.
+STILL = 1e-3
 # half-width, and that which is round-off.
 NOTHING = 0.02
 ROUND_OFF = 1e-8
@@ -290,12 +292,22 @@ class StationHistory:
     k_t: Annotated[Array, Quantity("k_t", "K_T, counted from the first state", "K_T")]
     k_s: Annotated[Array, Quantity("k_t", "K_S, the same along the edge; zero in the plane", "K_S")]
     k_i: Annotated[Array, Quantity("k_t", "K_I, the same of normal increments", "K_I")]
+    hold: Annotated[Array, Quantity("k_t", "K_I with the edge as large as in one state")]
+    shear: Annotated[Array, Quantity("k_t", "K along its main direction, likewise")]
+    unit: Annotated[Array, Quantity("", "factors of the edge as it is over those")]
+    slid: Annotated[Array, Quantity("", "way in which all slips in the step to the state, or 0")]
     last: Annotated[int, Quantity("", "last state of the evaluated cycle, or of all")] = field(
         default=-1, kw_only=True
     )
     first: Annotated[int, Quantity("", "first state of that cycle, -1 without")] = field(
         default=-1, kw_only=True
     )
+    loose: Annotated[
+        float, Quantity("", "part of the range of that shear which cycles leave over")
+    ] = field(default=0.0, kw_only=True)
+    apart: Annotated[
+        float, Quantity("", "second over first of the independent parts of what drives the shear")
+    ] = field(default=0.0, kw_only=True)
     decisive: Annotated[
         int, Quantity("", "reversal of K_T with the larger P: of K_N and position in tables")
     ] = field(default=-1, kw_only=True)
@@ -323,22 +335,24 @@ class RangeSpread:
     Attributes:
         extraction: half the difference of the ranges that the radii of the interaction integral
             give; 0 if K_T is known in closed form, NaN if nothing can be compared.
-        discretisation: difference from the range by fits to tractions, what steps contribute of
-            which one end is unknown, and what near cuts leave open.
-        steps: how far K_T exceeds the range between the steps, and what the movement of the edge
-            within them may change.
+        discretisation: difference from the range by fits to tractions, and what near cuts leave
+            open.
+        steps: how far K_T exceeds the range between the steps.
         layer: what a layer between the surfaces gives.
+        moved: what the movement of the edge within steps may change, and what those contribute of
+            which one end is unknown.
     """
 
     extraction: float
     discretisation: float
     steps: float
     layer: float = 0.0
+    moved: float = 0.0
 
     @property
     def total(self) -> float:
         """All parts together; NaN if one is unknown."""
-        return math.hypot(self.extraction, self.discretisation, self.steps, self.layer)
+        return math.hypot(*vars(self).values())
 
 
 @dataclass(frozen=True)
@@ -400,6 +414,9 @@ class Station(StationHistory):
         k_range_spread: half the width of an interval that is meant to hold `k_range` with 95 %; 0
             if the factors are known in closed form at any time, NaN if nothing can be compared.
         k_range_parts: what that is made of.
+        equivalent_range: at constant P the range of K. NaN without a cycle, or if all slides.
+        largest_range: of all half cycles of the whole history in which the contact does not slide
+            as a whole. First loading counts only if P moves the edge after it, or nothing follows.
         cycles: counted in the evaluated cycle, or in the whole history without one.
         slip_zones: one for each half cycle, in time order; if the counted cycles are irregular,
             only those of the worst one.
@@ -464,6 +481,19 @@ class Station(StationHistory):
     friction: Annotated[
         float, Quantity("", "coefficient at the edge in the step to the state `decisive`")
     ] = math.nan
+    equivalent_range: Annotated[
+        float, Quantity("k_t", "f K_N d of the evaluated cycle by the memory of the edge")
+    ] = math.nan
+    equivalent_misheld: Annotated[
+        float,
+        Quantity("k_t", "part of its bar by edges that move otherwise than their hold tells"),
+    ] = 0.0
+    largest_start: Annotated[int, Quantity("", "first state of the largest half cycle of all")] = 0
+    largest_end: Annotated[int, Quantity("", "state in which its zone is longest; 0 without")] = 0
+    largest_range: Annotated[float, Quantity("k_t", "its f K_N d by the memory of the edge")] = (
+        math.nan
+    )
+    largest_slip: Annotated[float, Quantity("length", "its d by the memory of the edge")] = math.nan
     cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
     dissipation: Annotated[float, Quantity("work", "friction work at the edge in the cycle")] = (
@@ -563,9 +593,27 @@ class Station(StationHistory):
         return np.array([cycles.k_t_mean - half, cycles.k_t_mean + half])
 
     @property
+    def moves(self) -> bool:
+        """True if P moves the edge in the cycle, so that slip goes by what the edge remembers."""
+        hold = self.hold[self.first : self.last + 1]
+        return math.isfinite(self.equivalent_range) and bool(np.ptp(hold) > STILL * hold.max())
+
+    @property
+    def driven_range(self) -> tuple[float, float]:
+        """The range that slip follows, with its bar: the equivalent one where P moves the edge."""
+        if not self.moves:
+            return self.k_range, self.k_range_spread
+        # Where the edge was in a step is no matter for what it remembers.
+        share = replace(self.k_range_parts, moved=0.0).total / (self.k_range or math.nan)
+        scale = max(self.equivalent_range, self.k_range)
+        spread = math.hypot(share, 2 * self.apart) * scale
+        return self.equivalent_range, math.hypot(spread, self.equivalent_misheld)
+
+    @property
     def range_error(self) -> float:
-        """Error bar of the range of (K_T, K_S) over it; 0 without any."""
-        return self.k_range_spread / self.k_range if self.k_range > 0 else 0.0
+        """Error bar of the range that slip follows over it; 0 without any."""
+        size, spread = self.driven_range
+        return spread / size if size > 0 else 0.0
 
     @property
     def range_over_k_n(self) -> float:
@@ -584,10 +632,13 @@ class Station(StationHistory):
 
     @property
     def told_range(self) -> tuple[float, float]:
-        """The range of (K_T, K_S) to tell with its error bar: 0, and all of it, if undriven."""
+        """The range to tell with its error bar: 0, and all of (K_T, K_S), if undriven."""
         if self.undriven:
             return 0.0, self.k_range + self.k_range_spread
-        return reported(self.k_range, self.k_range_spread), self.k_range_spread
+        size, spread = self.driven_range
+        # Where nothing slips the sum of the increments tells how much the bar is.
+        told = math.isfinite(reported(max(size, self.k_range), spread))
+        return size if told else math.nan, spread
 
     @property
     def reported_range(self) -> float:
@@ -602,7 +653,8 @@ class Station(StationHistory):
     @property
     def uncertain_range(self) -> bool:
         """True if the range of (K_T, K_S) is known to less than a twentieth, or not how well."""
-        return not self.undriven and uncertain_factor(self.k_range, self.k_range_spread)
+        size, spread = self.driven_range
+        return not self.undriven and uncertain_factor(max(size, self.k_range), spread)
 
     @property
     def defined(self) -> bool:
@@ -629,6 +681,8 @@ def without_formulas(station: Station) -> Station:
         return station
     return replace(
         station,
+        largest_slip=math.nan,
+        equivalent_range=math.nan,
         cycles=replace(station.cycles, slip=np.full_like(station.cycles.slip, math.nan)),
         slip_zones=tuple(
             replace(zone, predicted=math.nan, predicted_loop=math.nan)

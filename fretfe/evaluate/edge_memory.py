@@ -1,172 +1,412 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Places next to an edge between similar bodies remember the shear with which they stick.
+"""Memory of an edge between similar bodies: where slip goes under its loads, and how far.
 
-With the depth y inward from the outermost place of the edge and r = f K_N y/2, a place sticks as
-long as K_T stays within r of what it remembers, c(y): c is what keeps within K_T - f K_I - r and
-K_T + f K_I + r, K_I counted from its largest value. A place that the edge covers remembers K_T as
-it is then; the edge itself stands where r is what f K_I has fallen by.
+A place next to an edge is named by the hold H with which the edge stands on it: K_I, each increment
+taken at the size of the edge in one state, so that loads which return bring it back, however they
+are divided into steps. Places are locked in with a part D of f p, -1 to 1: that with which they
+were covered, dK_T/(f dK_I), or 1 the way they slipped last. Shear takes what that leaves, from the
+edge inward: f (1 -+ D) dH. Where it is used up is the inner end of the slip zone; where nothing is
+left the whole contact slips. For half-planes all of this is exact (Ciavarella 1998, Jaeger 1998).
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import itertools
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.contacts import STILL, StationHistory
+from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
+from fretfe.evaluate.load_path import LoadPath
 
-# Depths at which the memory is followed, over the largest one.
-LEVELS = 800
-# Part of the way of an edge that draws back by which K_T there is not known.
-SLACK = 0.02
-# Part of the range of K_T by which places have to slip: increments of an edge that moves leave so
-# much from cycle to cycle.
-LEAST_SLIP = 0.02
-# A retreat below this part of the range of K_T takes nothing away that counts: edges of finite
-# elements move a little at constant P.
-NO_FALL = 0.02
+# Slip that takes less than this part of f H is none: zones of so much of the half-width.
+UNDRIVEN = 1e-5
 # Zones whose lengths differ by less than this part are equal, and the last one counts.
 SAME_LENGTH = 1e-3
+# An edge leaves a zone behind if less than this part of its largest length is left.
+LEFT_BEHIND = 0.5
 # Part of a zone at which its inner end begins.
-INNER = 0.95
+INNER = 0.05
+# Part of the shear that other drivers may make for a history to be that of one.
+MOST_APART = 0.1
+# A half cycle is complete if it has come to within this part as far as another one.
+COMPLETE = 1e-2
 
 
-def depths(k_t: Array, retreat: Array) -> Array:
-    """(m,) f K_N y, from the outermost place of an edge to twice the largest of all that slips.
-
-    Where the edge has turned round the memory has a kink.
-
-    Args:
-        k_t: (n,) at the states.
-        retreat: (n,) f K_I below its largest value.
-    """
-    largest = 2 * float(np.max(np.abs(k_t - k_t[0]) + retreat))
-    moves = np.diff(retreat)
-    turns = retreat[1:-1][(moves[:-1] > 0) & (moves[1:] <= 0)]
-    places = np.sort(np.append(np.linspace(0.0, largest, LEVELS + 1), 2 * turns))
-    return places[np.diff(places, prepend=-1.0) > 1e-9 * largest]
-
-
-def remembered(
-    k_t: Array, retreat: Array, depth: Array, in_steps: bool = False, since: int = 0
-) -> Iterator[Array]:
-    """(m,) what places remember before the step to each state after one.
-
-    Places outside the edge count as if it covered them.
-
-    Args:
-        k_t: (n,) at the states.
-        retreat: (n,) f K_I below its largest value.
-        depth: (m,) f K_N y, increasing.
-        in_steps: whether the edge covers places at the beginning of a step, as nodes close in the
-            solved one, and not in the course of it.
-        since: that state; what came before it is remembered.
-    """
-    # Imported where it is needed: pages of results do without compiled code.
-    from fretfe._core import _kernels
-
-    k_t, retreat, radius = (np.ascontiguousarray(each) for each in (k_t, retreat, depth / 2))
-    memory = np.full(len(depth), k_t[0])
-    _kernels.follow_memory(k_t, retreat, radius, in_steps, 0, since, memory)
-    for state in range(since + 1, len(k_t)):
-        yield memory
-        memory = memory.copy()
-        _kernels.follow_memory(k_t, retreat, radius, in_steps, state - 1, state, memory)
-
-
-def takes_away(retreat: Array, k_t: Array) -> bool:
-    """True if an edge leaves places that count.
-
-    Args:
-        retreat: (n,) f K_I below its largest value.
-        k_t: (m,) over the whole history.
-    """
-    return bool(retreat.max(initial=0.0) > NO_FALL * np.ptp(k_t))
-
-
-class _Phase:
-    """The slip of an edge one way, until it turns back by some drive.
+@dataclass(frozen=True)
+class HalfCycle:
+    """Slip of an edge one way, from a reversal to the next.
 
     Attributes:
-        way: 1 forward, -1 backward; 0 before there is any.
-        begin: (m,) what places remembered when it began, or when they were covered.
+        start, turn: first state, and last one in which it slips on.
+        end: state in between of the deepest place, or of the longest zone if the edge draws back so
+            far that less than half of that is left.
+        way: 1 forward, -1 backward, 0 if nothing slips.
+        front: hold of the inner end of the zone at `end`.
+        length: of the zone; NaN if the whole contact slips.
     """
 
-    def __init__(self, memory: Array, drive: float, least: float) -> None:
-        self.way, self.begin, self._least = 0, memory, least
-        self._extreme, self._memory = drive, memory
+    start: int
+    turn: int
+    end: int
+    way: int
+    front: float
+    length: float
 
-    def follow(self, memory: Array, drive: float, covered: Bools) -> None:
-        """Go on to the drive, and to what places remember, in the next state."""
-        change = drive - self._extreme
-        turns = abs(change) > self._least and self.way * change <= 0
-        if turns:
-            self.way, self.begin = int(np.sign(change)), self._memory
-        if turns or self.way * change > 0:
-            self._extreme, self._memory = drive, memory
-        self.begin = np.where(covered, self.begin, memory)
-        self._memory = np.where(covered, self._memory, memory)
+    @classmethod
+    def still(cls, start: int, end: int) -> HalfCycle:
+        """One in which nothing slips."""
+        return cls(start, end, end, 0, math.nan, 0.0)
 
 
-def longest_zones(
-    k_t: Array, f_k_i: Array, k_n: Array, drive: Array, first: int
-) -> tuple[tuple[int, int] | None, tuple[int, int] | None]:
-    """Forward and backward, the states between which the longest slip zone comes about.
+@dataclass(frozen=True)
+class EdgeMemory:
+    """An edge followed through all states.
 
-    It comes about since the places at its inner end were covered or slipped the other way. None
-    where nothing slips that way.
-
-    Args:
-        k_t: (n,) at the states.
-        f_k_i: (n,) f K_I at the states.
-        k_n: (n,) K_N at the states.
-        drive: (n,) as of `slip_drive`.
-        first: state after which zones are looked for.
+    Attributes:
+        station: its history.
+        friction: (T,) coefficient in the step that ends at each state.
+        stiffening: relative growth of dP/da with the half-width; NaN where it is not known.
+        places: where the edge stands, if its history knows that exactly.
+        begin: state from which on it is followed.
+        unknown: hold up to which nothing is known of what is locked in; 0 if there is none.
+        slip: in all steps.
     """
-    retreat, least = f_k_i.max() - f_k_i, LEAST_SLIP * float(np.ptp(k_t))
-    radius = depths(k_t, retreat) / 2
-    since, before = np.zeros((3, len(radius)), dtype=np.int64), np.full(len(radius), k_t[0])
-    phase = _Phase(before, drive[0], least)
-    longest: dict[int, float] = {1: 0.0, -1: 0.0}
-    found: dict[int, tuple[int, int]] = {}
-    # The last state once more: what is remembered is known before each step.
-    steps = remembered(np.append(k_t, k_t[-1]), np.append(retreat, retreat[-1]), 2 * radius)
-    for state, memory in enumerate(steps):
-        covered = radius >= retreat[state]
-        phase.follow(memory, drive[state], covered)
-        way = phase.way
-        slips = covered & (way * (memory - phase.begin) > least) & (way * (memory - before) > 0)
-        before = memory
-        if slips.any() and state > first:
-            deepest = int(np.flatnonzero(slips)[-1])
-            length = float(radius[deepest] - retreat[state]) / float(k_n[state])
-            if length >= (1 - SAME_LENGTH) * longest[way]:
-                longest[way] = max(length, longest[way])
-                found[way] = int(since[way, int(INNER * deepest)]), state
-        since[-way, slips] = state
-        since[:, ~covered] = state
-    return found.get(1), found.get(-1)
+
+    station: StationHistory
+    friction: Array
+    stiffening: float
+    places: Places | None
+    begin: int
+    unknown: float
+    slip: Slip
+
+    @classmethod
+    def of(
+        cls,
+        station: StationHistory,
+        friction: Array,
+        last: int,
+        stiffening: float = math.nan,
+        reach: float = math.nan,
+    ) -> EdgeMemory | None:
+        """Follow an edge; None where its factors are not known, or there is no friction.
+
+        Args:
+            station: its history.
+            friction: (T,) coefficient in the step that ends at each state.
+            last: state up to which it is followed.
+            stiffening: relative growth of dP/da with the half-width.
+            reach: half-width of the contact at the first known place, if places are exact.
+        """
+        inside = slice(0, last + 1)
+        hold, shear = station.hold[inside], station.shear[inside]
+        known = np.isfinite(hold) & np.isfinite(shear)
+        lost = np.flatnonzero(~known)
+        begin = max(int(lost[-1]) + 1 if len(lost) else 0, int(np.argmax(friction > 0)) - 1)
+        if begin >= last or not friction[begin + 1 : last + 1].any():
+            return None
+        rubbed = bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0
+        return cls(
+            station=station,
+            friction=friction,
+            stiffening=stiffening,
+            places=places_of(station, reach, begin, last) if math.isfinite(reach) else None,
+            begin=begin,
+            unknown=float(hold[begin]) if rubbed else 0.0,
+            slip=follow(station, friction[inside], begin, at_once=False),
+        )
+
+    def refined(self, path: LoadPath) -> EdgeMemory:
+        """The same under the loads within the steps of the cycle; states are instants of that."""
+        station, friction = self.station, path.repeated(self.friction)
+        station = replace(
+            station,
+            hold=path.refined(station.hold),
+            shear=path.refined(station.shear),
+            unit=path.refined(station.unit),
+            k_n=path.refined(station.k_n),
+            slid=path.repeated(station.slid),
+        )
+        begin = path.instant(self.begin)
+        slip = follow(station, friction, begin, at_once=False)
+        return replace(self, station=station, friction=friction, begin=begin, slip=slip)
+
+    @property
+    def way(self) -> Array:
+        """(T,) of the slip in the step to each state: 1 forward, -1 backward, 0 without."""
+        return self.slip.way
+
+    @property
+    def front(self) -> Array:
+        """(T,) hold of the place that it comes to."""
+        return self.slip.front
+
+    @cached_property
+    def of_nodes(self) -> Slip:
+        """The slip if places are covered as steps begin, as nodes close in the solved ones."""
+        return follow(self.station, self.friction[: self.last + 1], self.begin, at_once=True)
+
+    @property
+    def last(self) -> int:
+        """State up to which the edge is followed."""
+        return len(self.slip.way) - 1
+
+    @cached_property
+    def taken(self) -> Array:
+        """(T,) shear that slip takes in the step to each state."""
+        return np.bincount(self.slip.states, self.slip.slices[:, 2], len(self.way))
+
+    def length(self, state: int, front: float) -> float:
+        """Length from the edge in a state to the place of another hold; NaN if that is not known.
+
+        Between finite bodies to second order: what is left of the hold is (1 - b d/2) K_N d/(2 u)
+        with the relative stiffening b.
+        """
+        hold, station = float(self.station.hold[state]), self.station
+        if not front < hold:
+            return 0.0
+        if front <= 0.0:
+            return math.nan
+        if self.places is not None:
+            return max(self.places.at(front) - self.places.at(hold), 0.0)
+        straight = 2 * float(station.unit[state]) * (hold - front) / float(station.k_n[state])
+        bent = self.stiffening * straight
+        if not abs(bent) > 0:  # NaN included
+            return straight
+        return straight * (1 - math.sqrt(1 - 2 * bent)) / bent if 2 * bent < 1 else math.nan
+
+    @cached_property
+    def _phases(self) -> list[tuple[int, int]]:
+        """Last state of each phase in which slip goes one way, and that way, in time order.
+
+        An edge may stick in between. It slips the same way twice if it has covered new places
+        meanwhile, on which slip does not come to that before.
+        """
+        taken, f_hold = self.taken, self.friction.max() * np.nanmax(self.station.hold)
+        least = max(TOLERANCE * float(taken.max(initial=0.0)), UNDRIVEN * float(f_hold))
+        ways, fronts, hold = self.way.astype(int), self.front, self.station.hold
+        apart = np.cumsum(hold[: len(ways)] <= 0)  # what was before is forgotten
+        phases: list[tuple[int, int]] = []
+        along = against = 0.0
+        for state in np.flatnonzero(taken > 0).tolist():
+            way = ways[state]
+            if phases and way != phases[-1][1]:
+                against += taken[state]
+                if not against > least:
+                    continue
+            along = taken[state] + (along if phases and way == phases[-1][1] else 0.0)
+            if not along > least:
+                continue
+            while (
+                phases
+                and phases[-1][1] == way
+                and apart[phases[-1][0]] == apart[state]
+                and fronts[state] <= hold[phases[-1][0]]
+            ):
+                phases.pop()
+            phases.append((state, way))
+            along = against = 0.0
+        return phases
+
+    @cached_property
+    def half_cycles(self) -> tuple[HalfCycle, ...]:
+        """All half cycles, in time order; the last one may not be complete."""
+        phases = self._phases
+        if not phases:
+            return ()
+        slips = np.flatnonzero((self.way == phases[0][1]) & (self.taken > 0))
+        starts = [int(slips[0]) - 1, *(end for end, _ in phases[:-1])]
+        return tuple(
+            self._half(start, turn, way) for start, (turn, way) in zip(starts, phases, strict=True)
+        )
+
+    @cached_property
+    def recurring(self) -> tuple[HalfCycle, ...]:
+        """Half cycles without first loading that a later one exceeds: slip comes so far once."""
+        swings = np.array([*map(self._swing, self.half_cycles), 0.0])
+        later = np.maximum.accumulate(swings[:0:-1])[::-1]
+        pairs = zip(self.half_cycles, swings, later, strict=False)
+        return tuple(each for each, own, most in pairs if own >= most or not self._once(each))
+
+    def _swing(self, half: HalfCycle) -> float:
+        return abs(float(self.station.shear[half.end] - self.station.shear[half.start]))
+
+    def _once(self, half: HalfCycle) -> bool:
+        """True if the inner end of a zone has not slipped back before, and the edge stays then."""
+        since, inner = self._since(half), self._inner(half)
+        slipped = self.way[since] == -half.way and self.front[since] <= inner
+        moved = float(np.ptp(self.station.hold[half.start : self.last + 1]))
+        return not slipped and moved <= inner - half.front
+
+    def largest(self, first: int = -1) -> HalfCycle | None:
+        """The half cycle with the largest equivalent range that ends after a state; None without.
+
+        Those in which the whole contact slips do not count: they have none. The last of equal ones.
+        """
+        known = [e for e in self.recurring if e.turn > first and math.isfinite(e.length)]
+        size = max(map(self.equivalent_range, known), default=0.0)
+        equal = [e for e in known if self.equivalent_range(e) >= (1 - SAME_LENGTH) * size]
+        return equal[-1] if size > 0 else None
+
+    def largest_range(self, first: int) -> float:
+        """Its equivalent range; 0 if nothing slips, NaN if all that slips does so as a whole."""
+        half = self.largest(first)
+        slides = any(each.turn > first for each in self.half_cycles)
+        return self.equivalent_range(half) if half else math.nan if slides else 0.0
+
+    def equivalent_range(self, half: HalfCycle) -> float:
+        """Range f K_N d by what the edge stands on down to the inner end: dK_T at constant P.
+
+        In first loading it is twice that of K_T, as places then take half of what they take later.
+        """
+        f, unit = float(self.friction[half.end]), float(self.station.unit[half.end])
+        return 2 * f * unit * (float(self.station.hold[half.end]) - half.front) if half.way else 0.0
+
+    def misheld(self, half: HalfCycle) -> float:
+        """Part of an equivalent range that is in doubt: edges move otherwise than their hold tells.
+
+        So they do between finite bodies that slip.
+        """
+        if self.places is not None:
+            return 0.0
+        station, ends = self.station, [half.start, half.end]
+        slope = float(np.mean(2 * station.unit[ends] / station.k_n[ends]))
+        moved = -station.inward * float(np.diff(station.position[ends])[0])
+        missed = moved - slope * float(np.diff(station.hold[ends])[0])
+        return float(self.friction[half.end] * station.k_n[half.end]) * abs(missed)
+
+    @property
+    def sure(self) -> bool:
+        """True if one driver makes the shear, or P does not move the edge: ranges hold then."""
+        return self.station.apart <= MOST_APART or self.at_rest(self.begin, self.last)
+
+    def doubt(self, half: HalfCycle) -> float:
+        """Part of its equivalent range by which that of a half cycle may be off; 0 with one driver.
+
+        What cycles of several leave over of the shear, and whether its zone jumps by that.
+        """
+        loose = self.station.loose
+        if not loose or not half.way:
+            return 0.0
+        size, end = self.equivalent_range(half), half.end
+        left = loose * float(np.nanmax(self.station.shear) - np.nanmin(self.station.shear))
+        jumped = replace(self.slip, behind=BEHIND).between(half.start, end, half.way).front
+        jump = 2 * float(self.friction[end] * self.station.unit[end]) * abs(half.front - jumped)
+        return (left + jump) / size
+
+    def longest(self, first: int) -> tuple[HalfCycle, ...]:
+        """The half cycles with the longest zone forward and backward that end after a state.
+
+        And those in which the whole contact slips. Each from where places at its inner end were
+        covered or slipped the other way last; smaller ones lie within.
+        """
+        found = []
+        for way, slides in itertools.product((1, -1), (True, False)):
+            own = [each for each in self.recurring if each.way == way and each.end > first]
+            own = [each for each in own if math.isnan(each.length) is slides]
+            least = (1 - SAME_LENGTH) * max((each.length for each in own), default=0.0)
+            longest = [each for each in own if slides or each.length >= least]
+            found += [replace(each, start=self._since(each)) for each in longest[-1:]]
+        return tuple(sorted(found, key=lambda each: each.end))
+
+    def at_rest(self, start: int, end: int) -> bool:
+        """True if P does not move the edge between two states."""
+        hold = self.station.hold[start : end + 1]
+        return bool(np.ptp(hold) <= STILL * hold.max())
+
+    def _since(self, half: HalfCycle) -> int:
+        """Last state before a half cycle in which its inner end was covered, or slipped back."""
+        inner, before = self._inner(half), np.arange(self.begin, half.start + 1)
+        slipped = (self.way[before] == -half.way) & (self.front[before] <= inner)
+        there = np.flatnonzero((self.station.hold[before] <= inner) | slipped)
+        return int(before[there[-1]]) if len(there) else self.begin
+
+    def _inner(self, half: HalfCycle) -> float:
+        """Hold of places next to the inner end of a zone."""
+        return half.front + INNER * float(self.station.hold[half.end] - half.front)
+
+    def outer(self, halves: Sequence[HalfCycle]) -> Bools:
+        """(T,) steps to states in which zones of half cycles get longer, or outside of them all."""
+        counts, within = np.zeros((2, len(self.friction)), dtype=bool)
+        for half in halves:
+            steps = slice(half.start + 1, half.end + 1)
+            fronts = np.where(self.way[steps] == half.way, self.front[steps], math.inf)
+            before = np.append(math.inf, np.minimum.accumulate(fronts)[:-1])
+            counts[steps] |= (fronts < before) | (fronts <= 0)
+            within[steps] = True
+        return np.asarray(counts | ~within)
+
+    def path(self, halves: Sequence[HalfCycle]) -> Indices:
+        """(n,) states on the way through half cycles, without those in smaller ones.
+
+        Empty if P moves the edge meanwhile: what that does counts, too.
+        """
+        first, last = halves[0].start, max(each.end for each in halves)
+        if not self.at_rest(first, last):
+            return np.zeros(0, dtype=np.int64)
+        steps = np.arange(first + 1, last + 1)
+        return np.append(first, steps[self.outer(halves)[steps]])
+
+    def cut_off(self, half: HalfCycle, others: Sequence[HalfCycle]) -> bool:
+        """True if the history ends before slip has come as far as in another half cycle."""
+        same = [each for each in others if each.way == half.way]
+        deepest = min((each.front for each in same), default=math.inf)
+        hold = float(self.station.hold[half.end])
+        return half.front - deepest > COMPLETE * (hold - deepest)
+
+    def onset(self, half: HalfCycle) -> int:
+        """State of a half cycle before which nothing slips."""
+        if not half.way:
+            return half.start
+        inside = self.way[half.start + 1 : half.end + 1] == half.way
+        return half.start + int(np.argmax(inside))
+
+    def softens(self, start: int, end: int) -> bool:
+        """True if the coefficient falls between two states by more than borders would show."""
+        inside = self.friction[max(start, 1) : end + 1]
+        return bool((inside < (1 - BEHIND) * np.maximum.accumulate(inside)).any())
+
+    def misplaced(self, half: HalfCycle) -> float:
+        """Length by which nodes find a zone longer than it is where steps have covered its end.
+
+        Nodes close in solved states: what a step shears while it covers places is there as if they
+        had been covered when it began. NaN if then the whole contact slips.
+        """
+        if not half.way or math.isnan(half.length):
+            return 0.0
+        found = self.of_nodes.between(self.onset(half), half.end, half.way).front
+        return self.length(half.end, found) - half.length
+
+    def _half(self, start: int, turn: int, way: int) -> HalfCycle:
+        """A half cycle with the state in which its zone is told."""
+        states = np.arange(start + 1, turn + 1)
+        states = states[(self.way[states] == way) & (self.taken[states] > 0)]
+        fronts = np.minimum.accumulate(self.front[states])
+        pairs = zip(states.tolist(), fronts.tolist(), strict=True)
+        ranks = np.array([_rank(self.length(*each)) for each in pairs])
+        # In the state of the deepest place, unless the edge has left most of its zone behind then.
+        end = int(np.flatnonzero(fronts <= fronts[-1])[0])
+        if ranks[end] < LEFT_BEHIND * ranks.max() or math.isinf(ranks[end]):
+            end = int(np.flatnonzero(ranks >= (1 - SAME_LENGTH) * ranks.max())[-1])
+        end = int(states[end])
+        front = self.slip.between(start, end, way).front
+        length = self.length(end, front) if self.knows(front, start) else math.nan
+        return HalfCycle(start, turn, end, way, front, length)
+
+    def knows(self, front: float, state: int) -> bool:
+        """True if what has been locked in up to a place until a state is known: all has slipped."""
+        if front >= self.unknown:
+            return True
+        slipped = self.front[self.begin : state + 1]
+        deepest = float(np.nanmin(slipped)) if np.isfinite(slipped).any() else math.inf
+        return front >= deepest - BEHIND * (self.unknown - deepest)
 
 
-def slip_drive(k_t: Array, f_k_i: Array) -> Array:
-    """(n,) sum of what drives slip at an edge forward in all steps, less what drives it backward.
-
-    At constant P that is K_T. An edge that moves outward slips where it is sheared faster than it
-    is pressed; one that draws back to a place slips the way in which K_T has left what that
-    remembers.
-
-    Args:
-        k_t: (n,) at the states.
-        f_k_i: (n,) f K_I at the states.
-    """
-    retreat, sheared = f_k_i.max() - f_k_i, np.diff(k_t)
-    pressed = -np.diff(retreat)
-    driven = np.sign(sheared) * np.maximum(np.abs(sheared) - np.maximum(pressed, 0.0), 0.0)
-    if (pressed < 0).any():
-        depth = depths(k_t, retreat)
-        for step, memory in enumerate(remembered(k_t, retreat, depth)):
-            if pressed[step] < 0:
-                left = k_t[step + 1] - float(np.interp(retreat[step + 1], depth / 2, memory))
-                known = max(abs(left) + SLACK * float(pressed[step]), 0.0)
-                driven[step] = np.sign(left) * known
-    return np.append(0.0, np.cumsum(driven))
+def _rank(length: float) -> float:
+    return length if math.isfinite(length) else math.inf

@@ -69,6 +69,7 @@ class FactorHistories:
             which one end only is known.
         uneven: (stations, T) what they may be wrong by as edges move within them.
         known: (T,) states whose own area tells the factors, of one of the stations at least.
+        units: (T, stations, d, J) for a unit of each driver, of unlike bodies at the length 1.
     """
 
     ways: Array
@@ -77,6 +78,7 @@ class FactorHistories:
     one_sided: Array
     uneven: Array
     known: Bools
+    units: Array
 
     def directions(self, cycle: Indices) -> list[tuple[Array, float]]:
         """Direction of (K_T, K_S) and how much it turns at each station, by `main_direction`."""

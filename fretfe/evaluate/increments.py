@@ -10,14 +10,16 @@ adds is that of the nearest known state: it costs neither what lies before it no
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.contacts import ROUND_OFF
+from fretfe.evaluate.cycles import same_cycles
 from fretfe.evaluate.factors import FactorHistories
-from fretfe.evaluate.loaded import hardly_loaded, normal_force
+from fretfe.evaluate.loaded import hardly_loaded, normal_force, slides_as_a_whole
 from fretfe.evaluate.numerics import count_up, most_loaded
 from fretfe.history.solution import ContactHistory, Factor, Solution
 from fretfe.loads.history import CLOSED
@@ -54,6 +56,8 @@ class ContactSteps:
         layer: (2,) lengths E*/k of a layer, across and along the surface; zero without one.
         friction: (T,) whether there is any in the step that ends at each state.
         touching: (T,) states in which there is contact.
+        slides: (T,) states to which all that is in contact slips.
+        cycles: first and last state of the evaluated cycle, and of the same ones before it.
         force: (T,) P.
         small: (T,) states of a contact that carries little and may be too small for its factors.
         intervals: first and last state of each run of states in which the contact exists, one at
@@ -66,6 +70,8 @@ class ContactSteps:
     layer: Array
     friction: Bools
     touching: Bools
+    slides: Bools
+    cycles: Sequence[tuple[int, int]]
     force: Array
     small: Bools
     intervals: tuple[tuple[int, int], ...]
@@ -81,6 +87,8 @@ class ContactSteps:
             np.zeros(2) if contact.surface.layer is None else contact.surface.layer,
             contact.friction.acts,
             contact.pressed_nodes > 0,
+            slides_as_a_whole(contact),
+            same_cycles(solution, contact.friction),
             force,
             hardly_loaded(contact, force),
             contact.intervals,
@@ -139,6 +147,7 @@ class ContactSteps:
         """
         drivers = self.solution.driver_values
         ways: list[Array] = []
+        mean = np.zeros(0)
         known = np.zeros(len(drivers), dtype=bool)
         one_sided = uneven = np.empty(0)
         for each in units.main:
@@ -151,10 +160,12 @@ class ContactSteps:
                 uneven = uneven_sums(each, drivers, self.friction)
                 known = np.any([_known(group) for group in groups], axis=0)
             ways.append(np.concatenate([self._added(group) for group in filled]))
+            whole = np.concatenate(filled, axis=1)
+            mean = mean + (whole - mean) / len(ways) if mean.size else whole
         fitted = None
         if units.fitted is not None:
             fitted = self._added(self._filled(units.fitted))
-        return FactorHistories(np.array(ways), fitted, units.exact, one_sided, uneven, known)
+        return FactorHistories(np.array(ways), fitted, units.exact, one_sided, uneven, known, mean)
 
     def without_small(self, known: Bools) -> ContactSteps:
         """The same with the part of the cycle around its largest P as the cycle of the contact.
@@ -204,37 +215,44 @@ def add_up(
         unlike: whether the bodies are: K_I and K_T are then one number, and counted together.
     """
     steps = np.diff(drivers, axis=0)
-    increments = _mean_of_ends(units, steps)
+    increments = mean_of_ends(units, steps)
     increments[~steps.any(axis=1) | ~(touching[1:] | touching[:-1])] = 0.0
     increments[~friction[1:], :, 0 if unlike else Factor.K_T :] = 0.0
-    if cycle is not None and _repeats(drivers, friction & touching, cycle):
-        own = slice(*cycle)
-        increments[own] = _without_drift(increments[own])
+    increments -= left_over(increments, drivers, friction & touching, [cycle] if cycle else [])
     return count_up(increments, cycle).swapaxes(0, 1)
 
 
 def _repeats(drivers: Array, rubs: Bools, cycle: tuple[int, int]) -> bool:
     """True if all drivers (T, J) return in a cycle in which bodies touch with friction (T,)."""
     first, last = cycle
-    change = np.abs(drivers[last] - drivers[first])
-    returns = np.all(change <= CLOSED * np.abs(drivers[first : last + 1]).max(axis=0))
+    change, size = (
+        np.abs(drivers[last] - drivers[first]),
+        np.abs(drivers[first : last + 1]).max(axis=0),
+    )
+    returns = np.all((change <= CLOSED * size) | (size <= ROUND_OFF * size.max()))
     return bool(last > first and returns and rubs[first + 1 : last + 1].all())
 
 
-def _without_drift(increments: Array) -> Array:
-    """(n, stations, d) what the steps of a cycle add, so that factors return with the loads.
+def left_over(
+    increments: Array, drivers: Array, rubs: Bools, cycles: Sequence[tuple[int, int]]
+) -> Array:
+    """(T - 1, ..., d) what increments of cycles leave over though the drivers return, by step.
 
-    Increments at an edge that moves do not add up to zero along a loop of P and Q. What is left
-    over is taken out of the steps in which the edge moves, as far as P changes K_I in each.
+    At an edge that moves that is not nothing along a loop of P and Q. It is shared out over the
+    steps in which the edge moves, as far as P changes K_I in each.
     """
-    moved = np.abs(increments[..., Factor.K_I])
-    whole = moved.sum(axis=0)
-    shares = moved / np.where(whole > 0, whole, 1.0)
-    drift = increments.sum(axis=0)
-    return np.asarray(increments - shares[..., None] * np.where(np.isfinite(drift), drift, 0.0))
+    left = np.zeros_like(increments)
+    for cycle in cycles:
+        own = increments[slice(*cycle)]
+        if _repeats(drivers, rubs, cycle):
+            moved, drift = np.abs(own[..., Factor.K_I]), own.sum(axis=0)
+            whole = moved.sum(axis=0)
+            shares = moved / np.where(whole > 0, whole, 1.0)
+            left[slice(*cycle)] = shares[..., None] * np.where(np.isfinite(drift), drift, 0.0)
+    return left
 
 
-def _mean_of_ends(units: Array, steps: Array) -> Array:
+def mean_of_ends(units: Array, steps: Array) -> Array:
     """(n, stations, d) what n steps add.
 
     The mean of what the factors at both ends give, or what those of the known end do.
@@ -313,7 +331,7 @@ def one_sided_sums(units: Array, filled: Array, drivers: Array) -> Array:
         drivers: (T, J) values of the drivers.
     """
     known = _known(units)
-    increments = _mean_of_ends(filled, np.diff(drivers, axis=0))[:, :, Factor.K_T :]
+    increments = mean_of_ends(filled, np.diff(drivers, axis=0))[:, :, Factor.K_T :]
     increments = np.linalg.norm(increments, axis=2)
     one_end = ~(known[1:] & known[:-1]) & np.isfinite(increments).all(axis=1)
     return _summed(np.where(one_end[:, None], increments, 0.0) / 2)

@@ -200,6 +200,8 @@ def friction_limits(
         away = np.linalg.norm(places - place, axis=1)
         reach = np.nan_to_num(np.ravel(zones)).max(initial=0.0)
         near = away <= max(reach, np.nanmin(away, initial=math.inf))
+        if station.slides:
+            near = np.asarray(history.status[last] != OPEN)
         if station.friction > 0 and near.any():
             changes.append(float(np.ptp(fields[:, near])) / station.friction)
     yield ModelLimit(

@@ -33,6 +33,16 @@ class LoadPath:
     steps: Array
     bulges: Array
 
+    @property
+    def parts(self) -> int:
+        """Into which the instants divide a step."""
+        return self.bulges.shape[1] + 1
+
+    @property
+    def last(self) -> int:
+        """State with which the cycle ends."""
+        return self.first + len(self.bulges)
+
     def refine(self, factor: Array) -> Array:
         """A factor (T,) of all states at the (n (S + 1) + 1,) instants of the cycle."""
         count, inner, _ = self.bulges.shape
@@ -44,11 +54,18 @@ class LoadPath:
         within = values[:-1, None] + np.diff(values)[:, None] * shares + self.bulges @ slopes
         return np.append(np.column_stack([values[:-1], within]).ravel(), values[-1])
 
-    def instants(self, state: int) -> slice:
-        """The instants of `refine` that are less than a step from a state of the cycle."""
-        parts = self.bulges.shape[1] + 1
-        place = parts * (state - self.first)
-        return slice(max(place - parts + 1, 0), place + parts)
+    def refined(self, values: Array) -> Array:
+        """Values (T,) of all states to the end of the cycle, with the instants in its steps."""
+        return np.append(values[: self.first], self.refine(values))
+
+    def repeated(self, values: Array) -> Array:
+        """The same of values that hold in the steps to the states."""
+        first, parts = self.first + 1, self.parts
+        return np.append(values[:first], np.repeat(values[first : self.last + 1], parts))
+
+    def instant(self, state: int) -> int:
+        """A state among the instants of `refined`."""
+        return state + (self.parts - 1) * max(state - self.first, 0)
 
 
 def excess(factor: Array, path: LoadPath | None) -> float:

@@ -17,7 +17,7 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.numerics import EQUAL_LOADS, most_loaded
 from fretfe.evaluate.slip import SMALLEST_SLIP, slip_in_steps
-from fretfe.history.solution import OPEN, ContactHistory, Solution
+from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 
 # First and last state of runs of states.
@@ -173,6 +173,15 @@ def opening_text(whole: Solution, own: Solution, contact: ContactHistory) -> str
         f"{first:.6g} to {last:.6g} is evaluated, in which Q swings most; cycles of the others are "
         "not counted"
     )
+
+
+def slides_as_a_whole(contact: ContactHistory) -> Bools:
+    """(T,) states that are reached by slip of all that is in contact."""
+    slides = contact.friction.acts.copy()
+    for part in blocks(len(slides), len(contact.surface.weights)):
+        status = np.asarray(contact.status[part])
+        slides[part] &= (status == SLIP).any(axis=1) & (status != STICK).all(axis=1)
+    return slides
 
 
 def evaluated_states(solution: Solution, contact: ContactHistory) -> Indices:

@@ -65,7 +65,7 @@ def _values(
 ) -> StationValues:
     k_n, k_n_spread = station.decisive_k_n
     zones = _last_zones(station)
-    k_t_spread = station.k_range_spread if solution.cycle is not None else math.nan
+    k_t_spread = station.driven_range[1] if solution.cycle is not None else math.nan
     return StationValues(
         contact=contact.name,
         front=station.front,

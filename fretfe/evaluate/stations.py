@@ -8,6 +8,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cache, cached_property, partial
+from typing import Any
 
 import numpy as np
 
@@ -24,8 +25,10 @@ from fretfe.evaluate.contacts import (
     unknown_station,
     without_formulas,
 )
-from fretfe.evaluate.cycles import Worst, count_cycles, worst_cycle
+from fretfe.evaluate.cycles import count_cycles
 from fretfe.evaluate.edge_fit import EdgeFit
+from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads
+from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
 from fretfe.evaluate.factors import (
     FactorHistories,
     along_line,
@@ -41,7 +44,14 @@ from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import LoadPath, excess, load_path
 from fretfe.evaluate.loaded import decisive_state
-from fretfe.evaluate.slip import FindBorder, cycle_states, slip_zones
+from fretfe.evaluate.numerics import most_loaded
+from fretfe.evaluate.slip import (
+    FindBorder,
+    cycle_states,
+    half_cycles,
+    last_state,
+    zones_of,
+)
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
@@ -133,6 +143,13 @@ class EdgeData(ABC):
             position: (T,) of it.
             outer: (T,) whether the slip in the step to each state counts.
             growth: gives the growth of the zone of a half cycle.
+        """
+
+    @abstractmethod
+    def slid(self, number: int, direction: Array) -> Array:
+        """(T,) way in which all of the contact slips in the step to a state, or 0.
+
+        1 where its shear next to the edge has a part along a direction (2,), -1 where against it.
         """
 
     @abstractmethod
@@ -243,13 +260,18 @@ class EdgeData(ABC):
         history = self._history(number, moved)
         vectors = np.column_stack([history.k_t, history.k_s])
         direction, turning = main_direction(vectors, cycle)
+        loads = self._loads(number, history, vectors @ direction, direction)
+        slid = self.slid(number, direction)
+        history = replace(history, slid=slid, **vars(loads))
         along = replace(history, k_t=vectors @ direction)
         states = self.ranged(along.k_t)
-        evaluated = _known(along, self.steps.known)
-        cycles = count_cycles(cycle, friction, evaluated, self.steps.whole.loads.returns)
+        cycles = count_cycles(cycle, friction, along, self.steps.whole.loads.returns)
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         swing = cycle_range(along.k_t, states)
+        ends = last_state(cycle, along), len(along.k_t) - 1
+        stiffening = moved.stiffening if math.isfinite(moved.spread) else math.nan
+        memory, whole = (self._memory(number, along, end, stiffening) for end in ends)
         parts = self.unresolved(number, direction)
         spread = range_spread(self.factors, number, direction, parts, states, self.path)
         spread = replace(spread, layer=self.layer(number).range_error * swing)
@@ -285,8 +307,9 @@ class EdgeData(ABC):
             # Pressure is coupled with shear across the front alone.
             coupling=abs(beta * float(direction[0])) * float(friction.max()),
             friction=_acting(friction, history.decisive),
+            **self._largest(memory, whole),
             cycles=cycles,
-            slip_zones=self._zones(number, evaluated, cycles, direction),
+            slip_zones=self._zones(number, memory, cycles, direction),
         )
         return without_formulas(self.completed(number, found))
 
@@ -299,6 +322,7 @@ class EdgeData(ABC):
         spread = with_moved(fit.k_n, fit.spread_k_n, moved)
         around = moved.k_n, moved.spread, moved.state
         k_n, spread = self.layer(number).k_n(fit.k_n, spread, around, self.force)
+        unknown = np.full(len(k_n), math.nan)
         return StationHistory(
             front=front,
             number=along,
@@ -309,50 +333,97 @@ class EdgeData(ABC):
             k_t=factors[:, Factor.K_T],
             k_s=k_s,
             k_i=factors[:, Factor.K_I],
+            hold=unknown,
+            shear=unknown,
+            unit=unknown,
+            slid=unknown,
             last=self.last,
             first=int(cycle[0]) if len(cycle) else -1,
         )
 
+    def _loads(
+        self, number: int, history: StationHistory, along: Array, direction: Array
+    ) -> EdgeLoads:
+        """Loads of an edge, with its K (T,) along a direction (2,)."""
+        width = float(self.half_widths[number])
+        moved = history.inward * (history.position - history.position[self.last])
+        # That of a cylinder whose contact is as wide as this one.
+        least = history.k_n * (width - np.nan_to_num(moved)) / 4
+        if self.steps.dundurs:
+            most = 4 * float(np.nanmax(least, initial=0.0))
+            return unlike_loads(history.k_i, along, self.steps.touching, most)
+        units, drivers = self.factors.units[:, number], self.steps.solution.driver_values
+        friction, touching = self.steps.friction, self.steps.touching
+        found = edge_loads(units, drivers, friction, touching, direction, self.last, least)
+        found = returned(found, drivers, friction & touching, self.steps.cycles)
+        if self.factors.exact:
+            return found
+        # While a contact slides its edge moves by what slides: increments of full stick miss that.
+        short = np.where(np.isfinite(least), least / found.unit - found.hold, 0.0)
+        lift = max(float(short[most_loaded(self.force, np.arange(self.last + 1))]), 0.0)
+        return replace(found, hold=np.where(touching, found.hold + lift, found.hold))
+
+    def _memory(
+        self, number: int, along: StationHistory, last: int, stiffening: float
+    ) -> EdgeMemory | None:
+        """Memory of an edge up to a state, with K along the direction in which it varies."""
+        exact = float(self.half_widths[number]) if self.factors.exact else math.nan
+        return EdgeMemory.of(along, self.frictions[number], last, stiffening, exact)
+
+    def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
+        """Largest half cycles of the evaluated cycle, and of the whole history."""
+        found: dict[str, Any] = {}
+        if memory is not None and memory.sure and len(self.cycle) and not self.steps.dundurs:
+            found["equivalent_range"] = memory.largest_range(int(self.cycle[0]))
+            largest = memory.largest(int(self.cycle[0]))
+            found["equivalent_misheld"] = memory.misheld(largest) if largest else 0.0
+        largest = whole.largest() if whole is not None and whole.sure else None
+        if whole is not None and largest is not None:
+            found |= {"largest_start": largest.start, "largest_end": largest.end}
+            found["largest_range"] = whole.equivalent_range(largest)
+            found["largest_slip"] = math.nan if self.steps.dundurs else largest.length
+        return found
+
     def _zones(
-        self, number: int, along: StationHistory, cycles: CountedCycles, direction: Array
+        self,
+        number: int,
+        memory: EdgeMemory | None,
+        cycles: CountedCycles,
+        direction: Array,
     ) -> tuple[SlipZone, ...]:
         """Slip zones, predicted with K along the direction in which it varies most."""
-        friction = self.frictions[number]
-        worst = worst_cycle(cycles, self.cycle, friction, along)
+        if memory is None or not self.steps.known[self.cycle].all():
+            return ()
+        pressed, unlike = self.pressed[number], self.steps.dundurs != 0
+        irregular = cycles.irregular
+        halves = half_cycles(self.cycle, memory, irregular, pressed and unlike)
         zones = [
             self.with_shear(number, zone, direction)
-            for part in (worst.apart() if worst else (None,))
-            for zone in self._zones_of(number, along, part)
+            for part in ([[half] for half in halves] if irregular else [halves])
+            for zone in self._zones_of(number, memory, part, irregular)
         ]
         return tuple(sorted(zones, key=lambda each: each.end))
 
     def _zones_of(
-        self, number: int, along: StationHistory, worst: Worst | None
+        self, number: int, memory: EdgeMemory, halves: Sequence[HalfCycle], irregular: bool
     ) -> tuple[SlipZone, ...]:
-        """Those of a half cycle of the worst cycle, or of all half cycles."""
-        friction = self.frictions[number]
-        outer = worst.outer if worst else np.ones(len(friction), dtype=bool)
+        """Those of some half cycles; under irregular loads of one, without the loops in it."""
+        outer = memory.outer(halves if irregular else ())
 
         @cache
         def growth(start: int, end: int) -> Growth | None:
             if self.steps.dundurs:
                 # Between unlike bodies shear moves K_I and pressure K_T, which it leaves out.
                 return None
-            return zone_growth(along, friction, start, end, outer)
+            return zone_growth(memory, start, end, outer)
 
-        def lengths(start: int, end: int) -> Array:
-            found = growth(start, end)
-            return found.lengths if found else np.zeros(0)
-
-        return slip_zones(
+        return zones_of(
             self.cycle,
-            friction,
-            along,
-            self.border(number, along.position, outer, growth),
-            lengths,
+            memory,
+            halves,
+            self.border(number, memory.station.position, outer, growth),
             self.path,
-            worst,
-            self.pressed[number],
+            self.pressed[number] and self.steps.dundurs != 0,
             self.steps.dundurs != 0,
         )
 
@@ -371,24 +442,6 @@ class EdgeData(ABC):
             return zone
         flank = self.shear_share(number, zone.end, zone, direction, FLANK * predicted)
         return replace(zone, flank=flank)
-
-
-def _known(history: StationHistory, known: Bools) -> StationHistory:
-    """A history in some states (T,) alone."""
-
-    def only(values: Array) -> Array:
-        return np.where(known, values, math.nan)
-
-    return replace(
-        history,
-        position=only(history.position),
-        position_spread=only(history.position_spread),
-        k_n=only(history.k_n),
-        k_n_spread=only(history.k_n_spread),
-        k_t=only(history.k_t),
-        k_s=only(history.k_s),
-        k_i=only(history.k_i),
-    )
 
 
 def range_spread(
@@ -416,8 +469,9 @@ def range_spread(
     one_sided = range_error(mean, factors.one_sided[number], cycle)
     return RangeSpread(
         extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
-        discretisation=float(np.linalg.norm([one_sided, *unresolved])),
-        steps=excess(mean, path) + range_error(mean, factors.uneven[number], cycle),
+        discretisation=float(np.linalg.norm(unresolved)),
+        steps=excess(mean, path),
+        moved=math.hypot(one_sided, range_error(mean, factors.uneven[number], cycle)),
     )
 
 

@@ -14,13 +14,19 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.contact.march import LARGEST_MOVE, MOST_PARTS
-from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.contacts import (
+    Contact,
+    Front,
+    SlipZone,
+    Station,
+    StationHistory,
+    histories,
+)
 from fretfe.faults import guarded
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import picked, summed
 
-# Histories (T, ...) of a station and of a contact.
-STATION = ("position", "position_spread", "k_n", "k_n_spread", "k_t", "k_s", "k_i")
+# Histories (T, ...) of a contact.
 CONTACT = (
     "normal_force", "shear_force", "force", "centre", "moment", "half_width", "contact_area",
     "stick_area", "largest_pressure", "effective_tension",
@@ -154,8 +160,10 @@ class StepEnds:
             decisive=int(self._step[station.decisive]),
             first=int(self._step[station.first]) if station.first >= 0 else -1,
             cycles=replace(cycles, start=self._step[cycles.start], end=self._step[cycles.end]),
+            largest_start=int(self._step[station.largest_start]),
+            largest_end=int(self._step[station.largest_end]),
             slip_zones=self._zones(station),
-            **self._histories(station, STATION),
+            **self._histories(station, histories(StationHistory)),
         )
 
     def _zones(self, station: Station) -> tuple[SlipZone, ...]:

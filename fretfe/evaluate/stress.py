@@ -24,8 +24,7 @@ from fretfe.evaluate.critical_planes import (
     find_critical,
     smith_watson_topper,
 )
-from fretfe.evaluate.cycles import worst_path
-from fretfe.evaluate.slip import cycle_states
+from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.surface_stress import EdgeValue
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
@@ -196,7 +195,9 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     own = (edge.first, edge.last) if edge.first >= 0 else None
     own, places = (solution.cycle, edge.places) if contact.solid else (own, edge.position)
     friction = histories[contact.name].edge_friction(places)
-    return worst_path(edge.cycles, cycle_states(own), friction, edge)
+    memory = EdgeMemory.of(edge, friction, own[1] if own else len(friction) - 1, edge.stiffening)
+    halves = memory.longest(own[0] if own else memory.begin) if memory else ()
+    return memory.path(halves) if memory and halves else np.zeros(0, dtype=np.int64)
 
 
 def largest_range(edge: Station) -> float:

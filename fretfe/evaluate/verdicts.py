@@ -41,6 +41,7 @@ PARTS = {
     "discretisation": "the front is somewhere within an element, or elements along it are long",
     "layer": "the layer gives over a length E*/k that is not short against the half-width",
     "steps": "the shear may go farther between the steps: take more steps per cycle",
+    "moved": "the edge moves far within steps, or is not known at an end of them",
 }
 
 
@@ -118,8 +119,8 @@ def no_range(station: Station) -> str:
             f"{unknown[-1]}: the front cannot be found there, or moves to where nothing was "
             "integrated"
         )
-    parts = asdict(station.k_range_parts)
-    if not math.isfinite(station.k_range_spread):
+    parts, (size, spread) = asdict(station.k_range_parts), station.driven_range
+    if not math.isfinite(spread):
         lost = " and ".join(name for name, part in parts.items() if not math.isfinite(part))
         lost = lost or "nothing to compare with"
         return f"the range of {_shear(station)} has no error bar ({lost})"
@@ -128,7 +129,7 @@ def no_range(station: Station) -> str:
     largest = "layer" if by_layer else max(parts, key=lambda name: parts[name])
     return (
         f"the range of {_shear(station)} is "
-        f"{_with_bar(station.k_range, station.k_range_spread)}, an error bar of more than "
+        f"{_with_bar(size, spread)}, an error bar of more than "
         f"half of it: {PARTS.get(largest, largest)}"
     )
 
@@ -245,11 +246,10 @@ def _judge_still(station: Station, zone: SlipZone) -> Judgement:
 def _range_bar(station: Station, zone: SlipZone) -> float:
     """Length of a slip zone that the error bar of the range stands for."""
     # Without a cycle there is no range, but a prediction of first loading.
+    most = station.told_range[1]
     if math.isnan(station.k_range) or station.k_range_spread == 0:
         return 0.0
-    if station.undriven:
-        return float(station.told_range[1] / (station.friction * station.k_n[zone.end]))
-    return zone.predicted * station.k_range_spread / (station.k_range or math.nan)
+    return float(most / (station.friction * station.k_n[zone.end]))
 
 
 def _beside_formula(

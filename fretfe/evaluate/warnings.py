@@ -471,7 +471,8 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
             yield kind, f"K_N is unknown, as its error bar is more than half of it{size}"
         else:
             yield kind, f"K_N is known to {spread / k_n:.0%} only{size}"
-    steps = station.k_range_parts.steps
+    parts = station.k_range_parts
+    steps = parts.steps + (0.0 if station.moves else parts.moved)
     # What drives nothing has no share that steps could be wrong by.
     if not station.undriven and steps > LARGEST_STEPS * station.k_t_range > 0:
         yield (

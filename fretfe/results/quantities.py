@@ -257,10 +257,11 @@ EDGES = (
     _number("k_n_spread", "error bar of K_N"),
     _number(
         "k_t_range",
-        "range of K_T, with displacements along z of (K_T, K_S), over the cycle; empty likewise",
+        "range of K_T, with displacements along z of (K_T, K_S), over the cycle, where P moves the "
+        "edge the equivalent one; empty likewise",
         "reported_range",
     ),
-    _number("k_t_range_spread", read="k_range_spread"),
+    Column("k_t_range_spread", "k_t", "its error bar", lambda _, s: s.told_range[1]),
     *map(_number, ("k_i_range", "reference_length")),
     *(
         each.of_half_cycle(number)

@@ -144,7 +144,7 @@ def _edge(
     return ComponentEdge(
         result=label, contact=contact.name, edge=edge.front, station=edge.number,
         k_n=k_n, k_n_spread=edge.decisive_k_n[1],
-        k_t_range=k_t_range, k_t_range_spread=float(edge.k_range_spread),
+        k_t_range=k_t_range, k_t_range_spread=float(edge.told_range[1]),
         friction=friction, bodies=_bodies(result, pair),
         obstacles=tuple(_obstacles(result, k_n, k_t_range)), remarks=tuple(remarks),
     )  # fmt: skip

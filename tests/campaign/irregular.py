@@ -21,7 +21,7 @@ from campaign.irregular_draw import (
     loads_of,
 )
 from campaign.judge import Judged
-from cases.halfplane_problems import PRESS_STEPS, problem, solved
+from cases.halfplane_problems import PRESS_STEPS, problem
 
 import fretfe
 from fretfe._typing import Array
@@ -31,6 +31,8 @@ from fretfe.analytic.profiles import edge_factor_k_n
 from fretfe.case import parse_case
 from fretfe.errors import FretfeError
 from fretfe.evaluate.contacts import SlipZone, Station
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.halfplane import solve_half_planes
 from fretfe.halfplane.solver import ELEMENTS
 
 FINER, PARTS = 2, 8
@@ -73,9 +75,14 @@ def by_half_planes(one: IrregularDraw, finer: int = 1) -> Found:
     times, loads, cycle = loads_of(one, finer)
     p, q, tension = loads.T
     given = problem(p, q, 0.0, tension, profile=one.form, friction=one.friction, cycle=cycle)
-    elements = finer * ELEMENTS
+    outcome = solve_half_planes(given, finer * ELEMENTS)
+    assert outcome.failure is None
+    (contact,) = evaluate(outcome.solution, outcome.unit_factors)
     pressing = times[0] * np.linspace(0.0, 1.0, PRESS_STEPS + 1)
-    return Found(solved(given, elements).stations, np.concatenate([pressing, times]))
+    steps = np.concatenate([pressing, times])
+    # Of states within steps, too: zones may end there.
+    states = np.interp(outcome.solution.times, np.arange(len(steps)), steps)
+    return Found(contact.stations, states)
 
 
 def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
@@ -98,7 +105,10 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
         if cycle:
             k_t, k_i = _ranges(loads[-1 - cycle :], a[-1 - cycle :], station)
             allowance = finite * (FINITE_BODY * k_t + PRESSED * k_i)
-            value, bar = station.reported_range, station.k_range_spread
+            value, bar = station.told_range
+            if station.moves:
+                k_t = _equivalent(one, times, loads, finer or found, number == 0)
+                allowance += one.friction * one.peak / LEVELS
             yield Judged(one, station.front, "ΔK_T", value, bar, k_t, allowance, "")
         for zone in station.slip_zones:
             if finer is not None:
@@ -123,6 +133,20 @@ def _ranges(loads: Array, a: Array, station: Station) -> tuple[float, float]:
     k_i = steps[:, 0] / (np.pi * np.sqrt(2 * middle))
     k_t_range, k_i_range = (float(np.ptp(np.append(0.0, np.cumsum(each)))) for each in (k_t, k_i))
     return k_t_range, k_i_range
+
+
+def _equivalent(one: IrregularDraw, times: Array, loads: Array, found: Found, left: bool) -> float:
+    """Largest f K_N d of the evaluated cycle, by both ends of d; exact without tension."""
+    ranges = [0.0]
+    for zone in found.stations[0 if left else 1].evaluated_zones:
+        length = zone.length
+        if not np.any(loads[:, 2]):
+            length = _exact(one, times, loads, found.times[[zone.start, zone.end]])
+        p = float(loads[np.argmin(np.abs(times - found.times[zone.end])), 0])
+        a = float(one.form.half_width(p))
+        stands = p - float(one.form.load(a - length))
+        ranges.append(2 * one.friction * stands / (np.pi * np.sqrt(2 * a)))
+    return max(ranges)
 
 
 def _counterpart(zone: SlipZone, times: Array, station: Station, finer: Array) -> SlipZone | None:

@@ -30,7 +30,7 @@ from reference.closed_forms import closed_contact
 import fretfe
 from fretfe.case import parse_case
 from fretfe.errors import FretfeError
-from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.contacts import Contact, Station, reported
 from fretfe.results.model import Result
 
 Verdict = Literal["right", "flagged", "wrong"]
@@ -175,7 +175,8 @@ def _judge_factors(
         # What the finite body adds does not vanish where shear and tension cancel.
         pressed = PRESSED_BODY / BODY + PRESSED_SLOPE * edge_slope(one)
         allowance = finite * max(each.k_t_range for each in exact) + pressed * truth.k_i_range
-        value, bar = station.reported_range, station.k_range_spread
+        bar = station.k_range_spread
+        value = reported(station.k_range, bar)
         yield Judged(one, edge, "ΔK_T", value, bar, k_t, allowance, remark)
 
 

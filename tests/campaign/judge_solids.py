@@ -26,7 +26,7 @@ from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.case import parse_case
 from fretfe.caution import Caution, Kind
 from fretfe.errors import FretfeError
-from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.contacts import Station, reported
 from fretfe.results.model import Result
 
 SOLID_QUANTITIES = ("K_N", "ΔK_T", "ΔK_S", "d")
@@ -127,7 +127,8 @@ def _judge_station(
     one, where = truth.draw, f"{station.front}, station {station.number}"
     value, bar = station.reported_k_n, station.decisive_k_n[1]
     yield Judged(one, where, "K_N", value, bar, truth.k_n, truth.finite * truth.k_n, remark)
-    told, bar = math.isfinite(station.reported_range), station.k_range_spread
+    bar = station.k_range_spread
+    told = math.isfinite(reported(station.k_range, bar))
     # What the finite body adds does not vanish where a component does.
     pressed = PRESSED[one.profile] * station.k_i_range
     allowance = truth.finite * truth.k_range + pressed

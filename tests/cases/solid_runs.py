@@ -276,7 +276,7 @@ def exact_station(station: Station, load: Array, angle: float) -> Station:
         k_n=np.full(len(k), K_N), k_n_spread=np.full(len(k), 0.03 * K_N),
         k_range=float(np.ptp(k)), k_range_spread=0.04 * float(np.ptp(k)), k_i_range=0.0,
         k_t=np.cos(np.radians(angle)) * k, k_s=np.sin(np.radians(angle)) * k,
-        k_i=K_N / 3 * pressed**1.5,
+        k_i=K_N / 3 * pressed**1.5, hold=K_N / 3 * pressed**1.5, shear=k, unit=np.ones(len(k)),
     )  # fmt: skip
 
 

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.edge_histories import edge_history, slip_zones
 from cases.pad_cases import HOLD, TOP, pad, wave
 
 import fretfe
 from fretfe.case import Case, parse_case
-from fretfe.evaluate.contacts import StationHistory
-from fretfe.evaluate.slip import SlipBorder, slip_zones
+from fretfe.evaluate.slip import SlipBorder
 from fretfe.report.page.tables import contact_table, station_table
 from fretfe.results.model import Result
 
@@ -58,9 +58,10 @@ def test_what_comes_after_the_cycle_changes_none_of_its_numbers() -> None:
 
 def test_zones_of_a_cycle_after_which_the_contact_opens() -> None:
     k_t = np.array([0.0, 1, -1, 1, -1, 1, np.nan])
-    one, zero = np.ones(7), np.zeros(7)
-    station = StationHistory("left", 0, zero, zero, one, zero, k_t, zero, zero * k_t)
     found = slip_zones(
-        np.arange(1, 6), 0.5 * one, station, lambda *_: SlipBorder(0.1, resolved=True, gross=False)
+        np.arange(1, 6),
+        np.full(7, 0.5),
+        edge_history(k_t),
+        lambda *_: SlipBorder(0.1, resolved=True, gross=False),
     )
     assert [(zone.start, zone.end) for zone in found] == [(0, 1), (1, 2), (2, 3), (3, 4), (4, 5)]

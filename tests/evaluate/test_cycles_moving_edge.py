@@ -5,9 +5,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cases.edge_histories import edge_history
 
 from fretfe.evaluate.contacts import StationHistory
-from fretfe.evaluate.cycles import count_cycles, worst_cycle
+from fretfe.evaluate.cycles import count_cycles
+from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
 
 FRICTION = 0.5
 NO_CYCLE = np.array([], dtype=np.int64)
@@ -15,9 +17,7 @@ NO_CYCLE = np.array([], dtype=np.int64)
 
 def station(k_t: np.ndarray, fall: np.ndarray) -> StationHistory:
     """An edge with K_N = 1 that draws back by what f K_I falls."""
-    zero, one = np.zeros(len(k_t)), np.ones(len(k_t))
-    k_i, position = -fall / FRICTION, 2 * fall / FRICTION
-    return StationHistory("left", 0, position, zero, one, zero, k_t, zero, k_i)
+    return edge_history(k_t, -fall / FRICTION)
 
 
 def counted(k_t: list[float], fall: list[float]) -> set[tuple[float, float, float]]:
@@ -39,14 +39,12 @@ def test_k_t_is_counted_whatever_p_does() -> None:
 
 
 def test_pressing_before_the_cycle_is_no_reversal() -> None:
-    """P grows without shear; the larger one of two cycles at constant P begins at its own peak."""
+    """P grows without shear; first loading at constant P is no part of the cycles that follow."""
     k_t = divided(np.array([0.0, 0, 30, -12, 20, 0]), 6)
     fall = divided(np.array([60.0, 0, 0, 0, 0, 0]), 6)
-    cycle, friction = np.arange(6, 31), np.full(31, FRICTION)
-    at_edge = station(k_t, fall)
-    worst = worst_cycle(count_cycles(cycle, friction, at_edge), cycle, friction, at_edge)
-    assert worst is not None
-    assert worst.half_cycles == ((12, 18),)
+    memory = EdgeMemory.of(station(k_t, fall), np.full(31, FRICTION), 30)
+    assert memory is not None
+    assert [(each.start, each.end) for each in memory.longest(6)] == [(12, 18), (18, 24)]
 
 
 def test_round_off_is_no_cycle() -> None:
@@ -57,22 +55,22 @@ def test_round_off_is_no_cycle() -> None:
     assert found.reason == "nothing varies"
 
 
-def lengths_by_plays(k_t: np.ndarray, fall: np.ndarray) -> np.ndarray:
-    """(2, n) length of the slip zone forward and backward in each step."""
-    radius, found = np.linspace(0, 3, 6001), np.zeros((2, len(k_t)))
+def length_by_plays(k_t: np.ndarray, fall: np.ndarray, half: HalfCycle) -> float:
+    """Length of the slip zone of a half cycle from the edge at its end."""
+    radius, deepest = np.linspace(0, 3, 6001), 0.0
     memory = np.full(len(radius), k_t[0])
-    for state in range(1, len(k_t)):
+    for state in range(1, half.end + 1):
         before, now = fall[state - 1], fall[state]
         share = np.clip((before - radius) / (before - now if before > now else 1.0), 0.0, 1.0)
         covered = k_t[state - 1] + share * (k_t[state] - k_t[state - 1])
         memory = np.where((radius >= now) & (radius < before), covered, memory)
         free = radius - now
-        for number, way in enumerate((1, -1)):
-            slips = (free >= 0) & (way * (k_t[state] - memory) > free + 1e-9)
-            found[number, state] = 2 * free[slips].max(initial=0.0) / FRICTION
+        slips = (free >= 0) & (half.way * (k_t[state] - memory) > free + 1e-9)
+        if state > half.start:
+            deepest = max(deepest, radius[slips].max(initial=0.0))
         stuck = np.clip(memory, k_t[state] - free, k_t[state] + free)
         memory = np.where(free < 0, k_t[state], stuck)
-    return found
+    return float(2 * (deepest - fall[half.end]) / FRICTION)
 
 
 def divided(values: np.ndarray, parts: int) -> np.ndarray:
@@ -90,11 +88,12 @@ def test_zones_of_the_worst_cycle_are_the_longest_of_plays(seed: int, parts: int
     fall = np.repeat(random.uniform(0, 1.5, 7), 3)[:21]
     fall[0] = fall[-1] = 1.5
     k_t, fall = divided(k_t, parts), divided(fall, parts)
-    at_edge, friction = station(k_t, fall), np.full(len(k_t), FRICTION)
-    cycles = count_cycles(NO_CYCLE, friction, at_edge)
-    worst = worst_cycle(cycles, NO_CYCLE, friction, at_edge)
-    assert worst is not None
-    lengths = lengths_by_plays(k_t, fall)
-    reached = [max(lengths[:, end]) for _, end in worst.half_cycles]
-    assert sorted(reached) == pytest.approx(sorted(lengths.max(axis=1)), rel=0.1)
-    assert all(start < end for start, end in worst.half_cycles)
+    memory = EdgeMemory.of(station(k_t, fall), np.full(len(k_t), FRICTION), len(k_t) - 1)
+    assert memory is not None
+    halves = memory.longest(0)
+    for half in halves:
+        assert half.start < half.end
+        # Places .0005 apart, of half of f K_N y.
+        assert half.length == pytest.approx(length_by_plays(k_t, fall, half), abs=0.01)
+    size = max(each.length for each in memory.recurring)
+    assert max(each.length for each in halves) >= 0.99 * size

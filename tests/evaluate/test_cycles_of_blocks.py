@@ -48,7 +48,7 @@ def test_wherever_the_cycle_begins(first: float, length: int) -> None:
     exact = 0.75 * LIMIT / (np.pi * np.sqrt(2.0))
     for edge in found.stations:
         assert abs(edge.k_range - exact) < 0.01 * exact
-        lengths = sorted(zone.length for zone in edge.slip_zones if zone.end > 0)[-2:]
+        lengths = sorted(zone.length for zone in edge.evaluated_zones)[-1 - length :: length]
         # Jaeger: forward as if from nothing, 1 - sqrt(1 - Q/fP); back by half of the swing
         expected = [1 - np.sqrt(1 - 0.75 / 2), 1 - np.sqrt(1 - 0.5)]
         np.testing.assert_allclose(lengths, expected, rtol=0.05)

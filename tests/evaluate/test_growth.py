@@ -7,11 +7,12 @@ import itertools
 
 import numpy as np
 import pytest
+from cases.edge_histories import edge_history
 from cases.halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
 
 from fretfe._typing import Array
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.growth import Growth, zone_growth
 
 # Q/(f P) at the reversals; the last half cycle is the largest.
@@ -23,16 +24,19 @@ PATHS = {
 }
 
 
-def growth(k_t: list[float], k_i: list[float] | None = None) -> Growth:
-    """Growth in the last half cycle of K_T with f = 1 and K_N = 1, from its lowest state on."""
-    shear, count = np.array(k_t), len(k_t)
-    normal = np.zeros(count) if k_i is None else np.array(k_i)
-    one = np.ones(count)
-    station = StationHistory("left", 0, one, one, one, one, shear, 0 * one, normal)
-    start = int(np.argmin(shear))
-    found = zone_growth(station, one, start, count - 1, np.ones(count, dtype=bool))
+def grown(shear: Array, start: int, normal: Array | None = None) -> Growth:
+    """Growth in the steps from a state on of K_T with f = 1 and K_N = 1."""
+    one = np.ones(len(shear))
+    memory = EdgeMemory.of(edge_history(shear, normal), one, len(shear) - 1)
+    assert memory is not None
+    found = zone_growth(memory, start, len(shear) - 1, np.ones(len(shear), dtype=bool))
     assert found is not None
     return found
+
+
+def growth(k_t: list[float], k_i: list[float] | None = None) -> Growth:
+    """That in the last half cycle, from its lowest state on."""
+    return grown(np.array(k_t), int(np.argmin(k_t)), None if k_i is None else np.array(k_i))
 
 
 def test_steady_growth_is_even() -> None:
@@ -72,35 +76,24 @@ def test_a_loop_that_closes_makes_the_zone_jump() -> None:
 
 
 def test_a_loop_that_closes_to_round_off_may_stay_closed() -> None:
-    found = zone_of_small_loop(1.0 + 1e-9)
-    assert found.length > 1.9
-    lengths = [each.length for each in found.versions()]
-    assert lengths == pytest.approx([2.0, 1.0], abs=0.02)
+    assert zone_of_small_loop(1.0 + 1e-9).length == pytest.approx(1.0, abs=0.02)
+    assert zone_of_small_loop(1.0 + 1e-2).length > 1.9
 
 
 def test_a_cycle_that_closes_but_for_round_off_leaves_its_zone_alone() -> None:
     """P and Q rise and fall together; the first loading reached deeper than the steady cycle."""
     k_t, k_i = np.array([0.0, 1.0, -1.0, 1.0, -1.0]), np.array([0.0, 1.0, -1.0, 1.0, -1.0]) / 2
-    one = np.ones(len(k_t))
     found = []
     for missed in (0.0, 1e-15, -1e-15):
         shear = k_t - np.array([0.0, 0.0, 0.0, 0.0, missed])
-        station = StationHistory("left", 0, one, one, one, one, shear, 0 * one, k_i)
-        zone = zone_growth(station, one, 3, 4, np.ones(len(k_t), dtype=bool))
-        assert zone is not None
-        found.append(zone.length)
+        found.append(grown(shear, 3, k_i).length)
     # Forward minus backward: 2 - 1, by (11) of the theory from the edge at low P.
     assert found == pytest.approx([1.0] * 3, abs=0.01)
 
 
 def zone_of_small_loop(top: float) -> Growth:
     """Growth from the lower end of a loop from 0 to 1 within one from -1, up to its other end."""
-    shear = np.array([0.0, -1.0, 1.0, 0.0, top])
-    one = np.ones(len(shear))
-    station = StationHistory("left", 0, one, one, one, one, shear, 0 * one, 0 * one)
-    found = zone_growth(station, one, 3, 4, np.ones(len(shear), dtype=bool))
-    assert found is not None
-    return found
+    return grown(np.array([0.0, -1.0, 1.0, 0.0, top]), 3)
 
 
 def test_pressing_harder_at_constant_shear_makes_no_slip() -> None:

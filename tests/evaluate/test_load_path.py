@@ -33,8 +33,6 @@ def test_a_factor_linear_in_the_loads_is_exact_between_the_steps() -> None:
     units = np.array([0.03, -1.7])
     fine = path().refine(loads(TIMES) @ units)
     assert fine == pytest.approx(loads(FINE)[PARTS * CYCLE[0] :] @ units, abs=1e-12)
-    assert fine[path().instants(5)].size == 2 * PARTS - 1
-    assert fine[path().instants(5)][PARTS - 1] == pytest.approx(loads(TIMES)[5] @ units)
 
 
 def test_excess_is_what_the_steps_miss_of_the_extremes() -> None:

@@ -24,8 +24,9 @@ STEPS = 60
 
 
 def last_zones(summary: Contact) -> list[tuple[float, float]]:
-    """Lengths of the last two slip zones at each edge."""
-    return [(edge.slip_zones[-2].length, edge.slip_zones[-1].length) for edge in summary.stations]
+    """Lengths of the last two slip zones at each edge; where nothing slips there is one of 0."""
+    zones = [(edge.slip_zones[-2:] + edge.slip_zones[-1:])[:2] for edge in summary.stations]
+    return [(first.length, second.length) for first, second in zones]
 
 
 @pytest.mark.parametrize("direction", [1.0, -1.0])
@@ -223,7 +224,7 @@ def test_noise_of_loads_in_phase_slips_nowhere(noise: float) -> None:
     assert summary.reported_dissipation == 0.0 < summary.dissipation_spread < 1e-9
     for edge in summary.stations:
         assert [(zone.length, zone.resolved) for zone in edge.evaluated_zones] == [(0.0, True)]
-        assert edge.k_range == edge.told_range[0] > 0
+        assert edge.k_range > 0 == edge.told_range[0]
 
 
 @pytest.mark.parametrize("share", [0.1, 0.6])

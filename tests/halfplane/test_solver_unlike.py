@@ -182,8 +182,8 @@ def test_factors_of_similar_bodies_are_the_limit() -> None:
     for one, other in zip(similar.stations, nearly.stations, strict=True):
         assert other.k_n == pytest.approx(one.k_n, rel=1e-8, nan_ok=True)
         assert other.k_range == pytest.approx(one.k_range, rel=1e-8)
-        assert other.slip_zones[-1].prediction == pytest.approx(
-            one.slip_zones[-1].prediction, rel=1e-7
+        assert other.slip_zones[-1].predicted == pytest.approx(
+            one.slip_zones[-1].predicted, rel=1e-7
         )
 
 

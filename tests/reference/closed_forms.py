@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic.edges import dissipation_per_cycle, slip_length_cyclic
+from fretfe.analytic.edges import dissipation_per_cycle, slip_length_cyclic, slip_length_loop
 from fretfe.analytic.partial_slip import PartialSlip, stick_zone_moderate_tension
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.analytic.profiles import Hertz
@@ -26,7 +26,9 @@ from fretfe.evaluate.contacts import (
     StationHistory,
     fronts_of,
 )
-from fretfe.evaluate.cycles import count_cycles, worst_cycle
+from fretfe.evaluate.cycles import count_cycles
+from fretfe.evaluate.edge_loads import edge_loads, returned
+from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.factors import cycle_range
 from fretfe.evaluate.increments import add_up
 from fretfe.evaluate.load_path import excess, load_path
@@ -34,7 +36,14 @@ from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.plane.half_planes import shear_mismatch, tension_history
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.unit_factors import half_plane_units
-from fretfe.evaluate.slip import SlipBorder, cycle_states, in_cycle, predicted_slip, slip_zones
+from fretfe.evaluate.slip import (
+    SlipBorder,
+    cycle_states,
+    half_cycles,
+    in_cycle,
+    last_state,
+    zones_of,
+)
 from fretfe.evaluate.step_ends import StepEnds
 from fretfe.history.solution import Factor
 from fretfe.idealise import (
@@ -117,14 +126,8 @@ class ClosedFormBorders:
                     return moderate
         self.used.add(ASYMPTOTE)
         states = np.append(cycle, end)
-        predicted = predicted_slip(
-            self.station.k_t[states],
-            self.station.k_i[states],
-            self._k_n(end),
-            self._f(end),
-            reference=-1,
-        )
-        return _zone(predicted.loop)
+        k_t, k_i = self.station.k_t[states], self.station.k_i[states]
+        return _zone(float(slip_length_loop(k_t, k_i, self._k_n(end), self._f(end), -1)))
 
     def _permanent_stick(self, end: int) -> SlipBorder:
         problem = self.problem
@@ -233,16 +236,15 @@ def divide(problem: HalfPlaneProblem) -> tuple[Indices, Array]:
 def solve_closed_form(problem: HalfPlaneProblem) -> tuple[Contact, set[str]]:
     """Histories of the contact, and which solutions the slip lengths come from."""
     contact = contact_edges(problem)
-    loads = np.column_stack(
-        [problem.normal_force, problem.moment, problem.shear_force, problem.bulk_tension]
-    )
+    loads = _loads(problem)
     units = half_plane_units(np.stack([contact.left, contact.right]))
     histories = add_up(
         units, loads, problem.friction > 0, contact.right > contact.left, problem.history.cycle
     )
     stations, used = [], set()
     for front in PLANE_FRONTS:
-        station, solutions = _station(problem, contact, front, histories[front.number])
+        own = histories[front.number], units[:, front.number]
+        station, solutions = _station(problem, contact, front, *own)
         stations.append(station)
         used |= solutions
     centre = (contact.left + contact.right) / 2
@@ -269,18 +271,38 @@ def solve_closed_form(problem: HalfPlaneProblem) -> tuple[Contact, set[str]]:
     ), used
 
 
+def _loads(problem: HalfPlaneProblem) -> Array:
+    """(T, 4) P, M, Q and sigma0."""
+    return np.column_stack(
+        [problem.normal_force, problem.moment, problem.shear_force, problem.bulk_tension]
+    )
+
+
 def _station(
-    problem: HalfPlaneProblem, contact: TiltedContact, front: PlaneFront, factors: Array
+    problem: HalfPlaneProblem,
+    contact: TiltedContact,
+    front: PlaneFront,
+    factors: Array,
+    units: Array,
 ) -> tuple[Station, set[str]]:
-    """The station of a front, singular factors (T, 2), and where its slip lengths come from."""
+    """The station of a front, singular factors (T, 2), and where its slip lengths come from.
+
+    Its factors (T, 2, 4) for a unit of each load tell what the edge remembers.
+    """
     position = (contact.left, contact.right)[front.number]
     k_n = (contact.k_n_left, contact.k_n_right)[front.number]
     exact = np.zeros_like(k_n)
     k_i, k_t = factors.T
+    cycle, values = cycle_states(problem.history.cycle), _loads(problem)
+    last = int(cycle[-1]) if len(cycle) else len(position) - 1
+    own = [] if problem.history.cycle is None else [problem.history.cycle]
+    touching, rough = contact.right > contact.left, problem.friction > 0
+    held = edge_loads(units, values, rough, touching, np.array([1.0, 0.0]), last, exact)
+    held = returned(held, values, rough & touching, own)
     history = StationHistory(
-        front.name, 0, position, exact, k_n, exact, k_t=k_t, k_s=np.zeros_like(k_t), k_i=k_i
-    )
-    cycle = cycle_states(problem.history.cycle)
+        front.name, 0, position, exact, k_n, exact,
+        k_t=k_t, k_s=0 * k_t, k_i=k_i, slid=exact, **vars(held),
+    )  # fmt: skip
     history = in_cycle(cycle, history)
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
@@ -289,8 +311,12 @@ def _station(
     ends = np.arange(len(position))
     state = decisive_state(problem.normal_force, history.k_t, cycle, ends)
     history = replace(history, decisive=state)
-    worst = worst_cycle(cycles, cycle, problem.friction, history)
-    zones = slip_zones(cycle, problem.friction, history, borders, path=path, worst=worst)
+    reach = float((contact.right - contact.left)[last] / 2)
+    memory = EdgeMemory.of(history, problem.friction, last_state(cycle, history), reach=reach)
+    zones: tuple[SlipZone, ...] = ()
+    if memory is not None:
+        halves = half_cycles(cycle, memory, cycles.irregular, False)
+        zones = zones_of(cycle, memory, halves, borders, path)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, path))
     k_range = cycle_range(history.k_t, cycle)
     station = Station(

@@ -175,9 +175,8 @@ def test_answer_comes_first_with_numbers_and_verdicts(pages: dict[str, str]) -> 
         assert float(row[3].split("±")[0]) == pytest.approx(edge.k_n[-1], rel=1e-3)
         assert float(row[4].split("±")[0]) == pytest.approx(edge.k_t_range, rel=1e-3)
         assert float(row[6].split("±")[0]) == pytest.approx(zone.length, rel=1e-2)
-        assert float(row[7]) == pytest.approx(zone.predicted, rel=1e-2)
-        assert float(row[8]) == pytest.approx(zone.predicted / zone.length, rel=1e-2)
-        # The formula is short by d/(2a) = 7 %.
+        assert float(row[7]) == pytest.approx(zone.prediction, rel=1e-2)
+        assert float(row[8]) == pytest.approx(zone.prediction / zone.length, rel=1e-2)
         assert row[9] == "agrees"
     assert "At 2 of 2 edges the longest slip zone agrees with the prediction" in text
 

@@ -56,6 +56,7 @@ SECTIONS = {
     "Use": ("command-line", "python", "api/index", "edges", "backends"),
     "Trust": (
         "theory",
+        "memory",
         "unlike",
         "applicability",
         "method",

@@ -179,6 +179,23 @@ class PlaneEdges(EdgeData):
         degree = 0 if self.factors.exact else solution.degree
         return slip_border_of(self.contact, front, position, least, degree, growth)
 
+    @cached_property
+    def _sliding(self) -> Array:
+        """(T, d - 1) shear force in states to which all slips, else zero."""
+        contact = self.contact
+        shear = np.zeros((len(self.steps.slides), contact.traction.shape[2] - 1))
+        for state in np.flatnonzero(self.steps.slides):
+            shear[state] = contact.surface.weights @ contact.mean_traction[state, :, 1:]
+        return shear
+
+    def slid(self, number: int, direction: Array) -> Array:
+        """(T,) way in which all slips, as of `EdgeData.slid`."""
+        return np.sign(self._sliding @ self._axis(number, direction))
+
+    def _axis(self, number: int, line: Array) -> Array:
+        """(d - 1,) of a line at an edge, along the arc and along z: `along` is -z at the left."""
+        return PLANE_FRONTS[number].inward * (line * [1.0, -1.0])[: self._sliding.shape[1]]
+
     def shear_share(
         self, number: int, state: int, zone: SlipZone, line: Array, begin: float
     ) -> float:
@@ -190,9 +207,7 @@ class PlaneEdges(EdgeData):
         behind = (s > begin) & (s < middle) & (traction[:, 0] > 0)
         weights = contact.surface.weights[behind]
         bound = float((contact.friction.at(zone.end, behind) * weights) @ traction[behind, 0])
-        # Along the arc, and along z: `along` is -z at the left edge.
-        axis = front.inward * (line * [1.0, -1.0])[: traction.shape[1] - 1]
-        shear = traction[behind, 1:] @ axis
+        shear = traction[behind, 1:] @ self._axis(number, line)
         return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
 
     def completed(self, number: int, station: Station) -> Station:

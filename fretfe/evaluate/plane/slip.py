@@ -249,7 +249,7 @@ def _border_between(
             size,
             deviation,
         )
-    border = _as_last_nodes(border, s, slip, moved).held
+    border = _as_last_nodes(border, s, slip, moved)
     if degree and border.length > 0:  # few large elements in front of a kink: up to .28 of one off
         border = replace(border, spread=max(border.spread, size / math.sqrt(12)))
     if degree == 1 and border.length > 0:
@@ -325,7 +325,7 @@ def _as_last_nodes(border: SlipBorder, s: Array, slip: Array, slips: Bools) -> S
     if abs(border.length - other) < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
-    return replace(border, length=other, spread=spread, beyond=0.0)
+    return replace(border, length=other, spread=spread)
 
 
 def _line(steps: Iterator[Array], nodes: Indices) -> Array:

@@ -6,6 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -88,15 +89,36 @@ class FrontEdges(EdgeData):
         chord = front.chord(self.contact.surface.points, number)
         return self.slip.border_of(sector, chord, position, depth, outer, growth)
 
+    @cached_property
+    def _sliding(self) -> Array:
+        """(T, n, 3) shear around the stations in states to which all slips, else zero."""
+        surface, sectors = self.contact.surface, self.track.front.sectors
+        found = np.zeros((len(self.steps.slides), len(sectors), 3))
+        for state in np.flatnonzero(self.steps.slides):
+            shear = np.einsum(
+                "nt,ntd->nd", self.contact.traction[state, :, 1:], surface.frames[:, 1:]
+            )
+            forces = shear * surface.weights[:, None]
+            found[state] = [sector.fade @ forces[sector.nodes] for sector in sectors]
+        return found
+
+    def slid(self, number: int, direction: Array) -> Array:
+        """(T,) way in which all slips, as of `EdgeData.slid`."""
+        return np.sign(self._sliding[:, number] @ self._axis(number, direction))
+
+    def _axis(self, number: int, line: Array) -> Array:
+        """(3,) of a line at a station."""
+        frames = self.track.front.frames
+        return np.asarray(line[0] * frames.inward[number] + line[1] * frames.along[number])
+
     def shear_share(
         self, number: int, state: int, zone: SlipZone, line: Array, begin: float
     ) -> float:
         """Mean shear along a line over that of f p, as of `EdgeData.shear_share`."""
-        front, frames = self.track.front, self.track.front.frames
+        front = self.track.front
         friction = float(self.frictions[number][zone.end])
         position, depth = self.fits[number].position[state], float(front.depth[number])
-        axis = line[0] * frames.inward[number] + line[1] * frames.along[number]
-        reach = (float(position + begin), float(position + depth))
+        axis, reach = self._axis(number, line), (float(position + begin), float(position + depth))
         return shear_share(self.contact, front.sectors[number], state, friction, axis, reach)
 
     def completed(self, number: int, station: Station) -> Station:

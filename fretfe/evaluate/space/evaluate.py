@@ -177,7 +177,8 @@ def _factors(
         nothing = np.full((1, *track.fit.place.T.shape, 3), np.nan)
         unknown = nothing[0, :, :, 0]
         states = np.zeros(len(track.fit.place), dtype=bool)
-        return FactorHistories(nothing, None, False, unknown, unknown, states)
+        units = np.full((*track.fit.place.shape, 3, 1), np.nan)
+        return FactorHistories(nothing, None, False, unknown, unknown, states, units)
     known, power = integrals.positions[:, stations], GROWTH[front.frames.closed]
     ways = (
         _interpolate(track.fit.place, known, own, front.depth, steps.dundurs, power)

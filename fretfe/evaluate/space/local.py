@@ -23,11 +23,11 @@ from fretfe.evaluate.contacts import (
     Station,
     no_local_problem,
 )
-from fretfe.evaluate.cycles import worst_cycle
+from fretfe.evaluate.cycles import same_cycles
+from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.factors import whole_factor
 from fretfe.evaluate.loaded import loaded, normal_force
 from fretfe.evaluate.plane.slip import INTERVAL, slip_border
-from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.local.half_planes import Contacts, work_share
@@ -44,8 +44,6 @@ from fretfe.local.problem import (
 )
 from fretfe.materials.moduli import half_plane
 
-# Loads that differ by less than this over their range are the same.
-SAME_LOADS = 1e-9
 # Smallest half-width over that of the reference state with which a history can be followed.
 NARROWEST = 0.2
 # Powers of the gap: of a cylinder, whose fronts are straight; of what is round, under shear; and
@@ -314,7 +312,8 @@ class _Path:
         """That of a contact."""
         first, last = solution.cycle or (len(solution.times), len(solution.times) - 1)
         left_out = solution.source != np.arange(len(solution.times))
-        left_out[cycles_before(solution)] = True
+        own, *before = [begin for begin, _ in same_cycles(solution, contact.friction)] or [first]
+        left_out[before[-1] if before else own : before[0] if before else own] = True
         left_out[first:] = False
         carries = np.flatnonzero(loaded(normal_force(contact))[: last + 1])
         end = int(carries[-1]) if len(carries) else last
@@ -346,21 +345,6 @@ class _Path:
             if start in places and end in places and places[end] > first:
                 return places[start], places[end]
         return None
-
-
-def cycles_before(solution: Solution) -> slice:
-    """States of the cycles that lead to the evaluated one with the same loads, but the last."""
-    if solution.cycle is None:
-        return slice(0)
-    loads, ends = solution.values[solution.ends], solution.ends
-    first, last = (solution.step_of(state) for state in solution.cycle)
-    period, begin = last - first, first
-    size = SAME_LOADS * np.ptp(loads, axis=0)
-    while begin >= period and np.all(
-        np.abs(loads[begin - period : begin] - loads[first:last]) <= size
-    ):
-        begin -= period
-    return slice(ends[begin], ends[max(first - period, begin)])
 
 
 def _histories(
@@ -619,16 +603,22 @@ def _pose(
     )
     if not any(spans):
         return "no half cycle can be followed"
-    along = replace(station, k_t=station.k_along)
     friction = path.contact.edge_friction(station.places)
-    worst = worst_cycle(station.cycles, cycle_states(path.evaluated), friction, along)
+    counted = np.ones(len(friction), dtype=bool)
+    if station.cycles.irregular:
+        end = path.evaluated[1] if path.evaluated else len(friction) - 1
+        memory = EdgeMemory.of(station, friction, end, station.stiffening)
+        if memory is not None:
+            counted = memory.outer(
+                memory.longest(path.evaluated[0] if path.evaluated else memory.begin)
+            )
     return _Edge(
         station=station,
         bodies=EdgeBodies.of(pair, station.frame),
         shape=shape,
         k=np.where(states[:, None] < max(first, 1), 0.0, k),
         k_i=np.where(states < first, k_i[first], k_i),
-        counted=(states > first) & (worst.outer[kept] if worst else True),
+        counted=(states > first) & counted[kept],
         spans=spans,
         first=first,
     )

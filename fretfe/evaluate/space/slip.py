@@ -231,7 +231,7 @@ class SlipBetween:
             grown = growth(start, end)
             if grown is not None:
                 border = evened(grown, sector.s - here, border, by, sector.size)
-            return border.held
+            return border
 
         return find
 

@@ -23,8 +23,9 @@ from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE, Reported
 from fretfe.verdict import Verdict
 
-# An edge that moves by less than this part of a slip zone is in the same place.
-SAME_PLACE = 0.01
+# An edge that moves by less than this part of a slip zone is in the same place, and ranges that
+# differ by less are equal.
+SAME = 0.01
 # Largest P over that in the state of K_N from which on both are told.
 FAR_LARGER = 1.5
 
@@ -34,6 +35,7 @@ class Headline:
     """The answer of a run in a few sentences; a sentence that has nothing to say is empty.
 
     Attributes:
+        larger: the largest half cycle of all where the evaluated cycle has none as large.
         worst: the edge or station of the largest range, where it is, its numbers with their bars,
             and what they are compared with.
         trust: whether these can be trusted, and why not.
@@ -43,6 +45,7 @@ class Headline:
         half: contacts of which the model has the half.
     """
 
+    larger: str
     worst: str
     trust: str
     sliding: str
@@ -53,8 +56,8 @@ class Headline:
     @property
     def lines(self) -> tuple[str, ...]:
         """The sentences that there are, the answer first."""
-        told = (self.worst, self.trust, self.sliding, self.agreement, self.cycle, self.half)
-        return tuple(filter(None, told))
+        first = self.larger, self.worst, self.trust
+        return tuple(filter(None, (*first, self.sliding, self.agreement, self.cycle, self.half)))
 
 
 def headline(run: Result) -> Headline:
@@ -65,7 +68,33 @@ def headline(run: Result) -> Headline:
     else:
         text, trust = _numbers(run, *worst), _trust(run, *worst)
     rest = _sliding(run), _agreement(run), cycle_sentences(run), _half_model(run)
-    return Headline(text, trust, *rest)
+    return Headline(_larger(run), text, trust, *rest)
+
+
+def _larger(run: Result) -> str:
+    """The largest half cycle of all, in words, if the evaluated cycle has no such; else empty."""
+    known = [
+        (station.largest_range, contact, station)
+        for contact, station in shown_stations(run.contacts)
+        if station.defined and math.isfinite(station.largest_range)
+    ]
+    if not known:
+        return ""
+    size, contact, station = max(known, key=lambda each: each[0])
+    if size <= (1 + SAME) * station.equivalent_range and not station.slides:
+        return ""
+    start, end = (run.loads.times[each] for each in (station.largest_start, station.largest_end))
+    beyond = run.loads.cycle is not None and not station.first < station.largest_end <= station.last
+    slip = ""
+    if math.isfinite(station.largest_slip):
+        slip = f", d {number(station.largest_slip, 3)} {run.unit('length')}"
+    return (
+        f"Largest half cycle{' without sliding' if station.slides else ' of the history'}"
+        f"{', outside of the evaluated cycle' if beyond else ''}: {contact.name_of(station)}, "
+        f"t = {start:.6g} to {end:.6g} {run.case.units.time}: "
+        f"equivalent {_shear_symbol(contact, station)} "
+        f"{number(size)} {run.unit('k_t')}{slip}, by the memory of the edge."
+    )
 
 
 def worst_station(run: Result) -> tuple[Contact, Station] | None:
@@ -182,11 +211,15 @@ def _counted_from(station: Station) -> str:
 def is_elsewhere(station: Station, zone: SlipZone) -> bool:
     """True if the edge is not where it is reported as a slip zone ends."""
     then, here = (float(station.position[each]) for each in (zone.end, station.decisive))
-    return abs(then - here) > SAME_PLACE * zone.reported_length
+    return abs(then - here) > SAME * zone.reported_length
+
+
+def _shear_symbol(contact: Contact, station: Station) -> str:
+    return "|ΔK|" if contact.solid or station.k_s_range > 0 else "ΔK_T"
 
 
 def _range_symbol(contact: Contact, station: Station) -> str:
-    return "|ΔK|" if contact.solid or station.k_s_range > 0 else "ΔK_T"
+    return ("equivalent " if station.moves else "") + _shear_symbol(contact, station)
 
 
 def _known(text: str, unit: str) -> str:

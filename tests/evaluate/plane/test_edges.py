@@ -42,6 +42,7 @@ def histories(ways: list[float], fitted: float | None = None) -> FactorHistories
         one_sided=np.zeros((2, T)),
         uneven=np.zeros((2, T)),
         known=np.ones(0, dtype=bool),
+        units=np.zeros(0),
     )
 
 
@@ -97,8 +98,8 @@ def test_half_known_steps_count_between_the_ends_of_the_range(step: int, counts:
     wrong = np.zeros((2, T))
     wrong[0, step + 1 :] = 0.01 * RANGE
     found, _ = spreads(replace(histories([1.0, 1.0]), one_sided=wrong))
-    expected = np.hypot(0.01 * counts, GRID) * RANGE
-    assert found.discretisation == pytest.approx(expected)
+    assert found.moved == pytest.approx(0.01 * counts * RANGE)
+    assert found.discretisation == pytest.approx(GRID * RANGE)
 
 
 def test_steps_miss_what_lies_between_them() -> None:

@@ -24,7 +24,7 @@ from fretfe.analytic.partial_slip import PartialSlip
 from fretfe.evaluate.cycles import cycle_change
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.plane.slip import slip_border
-from fretfe.evaluate.slip import SlipBorder, predicted_slip
+from fretfe.evaluate.slip import SlipBorder
 
 
 def border_at(x: Array, slip: Array, slipping: Bools, edge: float, side: Side) -> SlipBorder:
@@ -144,18 +144,3 @@ def test_cycle_change_is_relative_to_the_friction_bound() -> None:
     q = np.array([[1.0, 2.0], [3.0, 4.0]])
     assert cycle_change(q, q + 0.1, friction=0.5, p_max=2.0) == pytest.approx(0.1, rel=1e-12)
     assert cycle_change(q, q, friction=0.5, p_max=2.0) == 0.0
-
-
-def test_predicted_slip_at_constant_load_has_both_lengths_equal() -> None:
-    k_t = np.array([0.0, 2.0, -1.0, 0.0])
-    found = predicted_slip(k_t, np.zeros(4), k_n=4.0, friction=0.5)
-    assert (found.cyclic, found.loop) == (1.5, 1.5)
-
-
-@pytest.mark.parametrize(("reference", "length"), [(0, 0.9), (1, 1.1)])
-def test_predicted_slip_in_phase(reference: int, length: float) -> None:
-    k_t, k_i = np.array([0.0, 1.0]), np.array([0.0, 0.2])
-    # (dK_T -+ f dK_I)/(f K_N), measured at low and at high normal load.
-    found = predicted_slip(k_t, k_i, k_n=2.0, friction=0.5, reference=reference)
-    assert found.loop == pytest.approx(length, rel=1e-14)
-    assert found.cyclic == pytest.approx(1.0, rel=1e-14)

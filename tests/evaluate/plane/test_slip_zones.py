@@ -8,17 +8,18 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from cases.edge_histories import edge_history, slip_zones
 
 from fretfe.analytic._numerics import Side
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import StationHistory
-from fretfe.evaluate.cycles import slip_phases
-from fretfe.evaluate.edge_memory import slip_drive
+from fretfe.evaluate.cycles import reversals
+from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.growth import zone_growth
 from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import SlipBorder, slip_in_steps, slip_zones
+from fretfe.evaluate.slip import SlipBorder, slip_in_steps
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.surface.contact_surface import ContactSurface
@@ -64,9 +65,8 @@ def history(increments: np.ndarray, x: np.ndarray = X) -> ContactHistory:
 
 def station(front: PlaneFront, k_t: np.ndarray) -> StationHistory:
     """A station at the edge with K_N = 1."""
-    one, zero = np.ones(STATES), np.zeros(STATES)
     position = np.array([np.nan, *[-front.inward * EDGE] * 3])
-    return StationHistory(front.name, 0, position, zero, one, zero, k_t, zero, zero)
+    return edge_history(k_t, front=front.name, position=position)
 
 
 def length(side: Side, increments: np.ndarray, x: np.ndarray = X) -> float:
@@ -120,19 +120,6 @@ def test_slip_left_over_from_the_half_cycle_before_does_not_count(
     assert length(side, direction * increments) == pytest.approx(ZONE, abs=5e-3 * H)
 
 
-def test_without_a_prediction_no_slip_is_not_known() -> None:
-    """After first loading and without a cycle nothing says that no zone lies between the nodes."""
-    contact = history(np.zeros((2, len(X))))
-    front = plane_front("left")
-    at_edge = station(front, np.array([0.0, 0.0, 1.0, -1.0]))
-    border = slip_border_of(contact, front, at_edge.position, np.zeros(STATES), 2)
-    zone = slip_zones(np.array([], dtype=np.int64), FRICTION, at_edge, border)[-1]
-    assert np.isnan(zone.prediction)
-    assert zone.hides
-    # The outermost node may lie half an element inside the edge.
-    assert H < zone.spread < 2 * H
-
-
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize(
     ("elements", "resolved"), [(0.0005, True), (0.05, False), (0.5, False), (3.0, False)]
@@ -174,10 +161,12 @@ def test_the_zone_is_as_good_as_its_edge(side: Side) -> None:
     assert bad.spread == pytest.approx(np.hypot(good.spread, 1.6 * H))
     assert np.isnan(bad.reported_length) and good.reported_length == good.length
     # Its bar then reaches what is predicted.
-    longer = replace(vague, k_t=2 * vague.k_t)
+    longer = replace(vague, k_t=2 * vague.k_t, shear=2 * vague.shear)
     (worse,) = slip_zones(no_cycle, FRICTION, longer, border)
     assert worse.spread == pytest.approx(6 * H - worse.length)
-    (kept,) = slip_zones(no_cycle, FRICTION, replace(exact, k_t=2 * exact.k_t), border)
+    (kept,) = slip_zones(
+        no_cycle, FRICTION, replace(exact, k_t=2 * exact.k_t, shear=2 * exact.shear), border
+    )
     assert kept.spread == good.spread
 
 
@@ -200,8 +189,11 @@ def test_slip_that_goes_on_behind_the_first_sticking_node(side: Side) -> None:
 
 def border_that_is_not_driven(front: PlaneFront, increments: np.ndarray) -> SlipBorder:
     """As P and Q rise together: dK_T < f dK_I."""
-    at_edge = replace(station(front, X[:STATES] * 0), k_i=np.array([0.0, 0.0, 1.0, 0.0]))
-    growth = zone_growth(at_edge, FRICTION, 1, 3, np.ones(STATES, dtype=bool))
+    k_i = np.array([0.0, 0.0, 1.0, 0.0])
+    at_edge = edge_history(0 * k_i, k_i, front.name, -front.inward * EDGE * np.ones(STATES))
+    memory = EdgeMemory.of(at_edge, FRICTION, 3)
+    assert memory is not None
+    growth = zone_growth(memory, 1, 3, np.ones(STATES, dtype=bool))
     assert growth is not None and growth.nothing
     contact, least = history(increments), np.zeros(STATES)
     return slip_border_of(contact, front, at_edge.position, least, 2, lambda *_: growth)(1, 3)
@@ -234,16 +226,13 @@ def test_a_contact_that_slides_is_gross_at_an_edge_that_drives_no_slip(
     assert border_that_is_not_driven(front, np.array([others, sliding])).gross
 
 
-@pytest.mark.parametrize(("length", "resolved"), [(0.0205, True), (1.3, False)])
-def test_slip_beyond_the_way_of_an_edge_that_drives_none(length: float, resolved: bool) -> None:
-    """The same where factors of the first states are unknown: nothing is foretold."""
-    k_i = np.array([0.0, 0.01, 0.0, 0.01])
-    at_edge = replace(station(plane_front("left"), 0 * k_i), k_i=k_i)
-    found = SlipBorder(length, resolved=True, gross=False, spread=0.001)
-    zones = slip_zones(np.arange(1, 4), FRICTION, at_edge, lambda *_: found)
-    assert zones[-1].predicted_loop == pytest.approx(0.02)
-    assert zones[-1].resolved == resolved
-    assert resolved or zones[-1].spread >= length
+def test_slip_at_an_edge_that_drives_none_is_not_resolved() -> None:
+    """P alone moves it to and fro: nothing is foretold, and what nodes say is in the bar."""
+    at_edge = edge_history(np.zeros(4), np.array([0.0, 0.01, 0.0, 0.01]))
+    found = SlipBorder(1.3, resolved=True, gross=False, spread=0.001)
+    (zone,) = slip_zones(np.arange(1, 4), FRICTION, at_edge, lambda *_: found)
+    assert (zone.prediction, zone.resolved) == (0.0, False)
+    assert zone.spread >= 1.3
 
 
 @pytest.mark.parametrize(("sticking", "resolved"), [(2, False), (3, True)])
@@ -310,7 +299,7 @@ REVERSALS = {
 @pytest.mark.parametrize(("values", "expected"), REVERSALS.values(), ids=REVERSALS)
 def test_reversals_at_constant_normal_load(values: list[float], expected: list[int]) -> None:
     k_t = np.array(values, dtype=float)
-    assert slip_phases(slip_drive(k_t, 0 * k_t), k_t, k_t)[0].tolist() == expected
+    assert reversals(k_t).tolist() == expected
 
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
@@ -318,12 +307,15 @@ def test_reversals_at_constant_normal_load(values: list[float], expected: list[i
 def test_reversals_under_varying_normal_load(phase: float, sign: float) -> None:
     angle = np.arange(3 * 72 + 1) * np.radians(5)
     k_t, f_k_i = sign * np.sin(angle), 0.4 * np.sin(angle - np.radians(phase))
-    forward, backward = k_t - f_k_i, k_t + f_k_i
-    ends, _ = slip_phases(slip_drive(k_t, f_k_i), forward, backward)
-    # each direction ends once a cycle, at the extreme of its own signal
-    first_up, first_down = np.argmax(forward[:72]), np.argmin(backward[:72])
-    assert set(ends[1:-1]) <= {n * 72 + first for n in range(3) for first in (first_up, first_down)}
-    assert len(ends) >= 6
+    at_edge = edge_history(k_t, 2 * f_k_i)
+    memory = EdgeMemory.of(at_edge, np.full(len(angle), 0.5), len(angle) - 1)
+    assert memory is not None
+    # Each direction ends once a cycle, at the extreme of its own signal.
+    drives = {1: k_t - f_k_i, -1: -k_t - f_k_i}
+    halves = memory.half_cycles
+    for half in halves[1:-1]:
+        assert drives[half.way][half.turn] > 0.99 * drives[half.way].max()
+    assert len(halves) >= 6
 
 
 def test_bodies_that_have_parted_are_told() -> None:

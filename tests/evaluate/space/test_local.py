@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from cases.edge_histories import slip_zones
 from cases.solid_runs import (
     FRICTION,
     K_N,
@@ -36,11 +37,13 @@ from fretfe.case import Body, Crystal, Units, isotropic
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Frame, Station
+from fretfe.evaluate.cycles import same_cycles
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, edge_nodes, half_cycle_ends
-from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
-from fretfe.evaluate.space.local import add_local_problems, cycles_before
+from fretfe.evaluate.slip import SlipBorder, cycle_states
+from fretfe.evaluate.space.local import add_local_problems
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.verdicts import judge
+from fretfe.history.solution import Solution
 from fretfe.local.problem import solve_batches
 from fretfe.materials.moduli import contact_modulus
 from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot, worst_station
@@ -52,6 +55,7 @@ from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.tables import station_records
 from fretfe.results.writer import write_results
+from fretfe.surface.friction import Friction
 
 # The load is ±SHEAR/2 f P: the slip annulus of Cattaneo and Mindlin.
 WIDTH = 1 - (1 - 0.5 * SHEAR) ** (1 / 3)
@@ -92,12 +96,7 @@ def posed(shear: Array, direction: Callable[[Station], float]) -> Result:
         # The nodes tell nothing of their slip.
         blind = SlipBorder(math.nan, resolved=False, gross=False, spread=math.inf)
         along = replace(known, k_t=turned * LIMIT)
-        zones = slip_zones(
-            cycle,
-            contact.friction.at(slice(None), 0),
-            along,
-            lambda *_: blind,
-        )
+        zones = slip_zones(cycle, contact.friction.at(slice(None), 0), along, lambda *_: blind)
         return replace(known, slip_zones=zones)
 
     return with_stations(result, exact)
@@ -150,12 +149,16 @@ def test_of_equal_cycles_only_the_last_one_before_is_gone_through(bare: Result) 
     loading = np.array([[0.0, 0.0], [0.5, 0.0], [0.8, 0.0]])
     values = np.concatenate([loading, *[cycle] * 5, cycle[:1]])
     solution = replace(bare.solution, values=values, cycle=(19, 23), step=None, times=values[:, 0])
-    assert cycles_before(solution) == slice(3, 15)
+
+    def begins(solution: Solution) -> list[int]:
+        friction = Friction.uniform(np.full(len(solution.values), 0.5), 3)
+        return [first for first, _ in same_cycles(solution, friction)]
+
+    assert begins(solution) == [19, 15, 11, 7, 3]
     values[8, 1] += 0.1
-    assert cycles_before(solution) == slice(11, 15)
+    assert begins(solution) == [19, 15, 11]
     values[16, 1] += 0.1
-    left_out = cycles_before(solution)
-    assert left_out.start == left_out.stop
+    assert begins(solution) == [19]
     within = np.repeat(np.arange(24), 2)  # each step with a state within it
     divided = replace(
         solution,
@@ -164,7 +167,7 @@ def test_of_equal_cycles_only_the_last_one_before_is_gone_through(bare: Result) 
         values=np.repeat(values, 2, axis=0),
     )
     divided.values[[16, 17, 32, 33], 1] -= 0.1
-    assert cycles_before(divided) == slice(7, 31)
+    assert begins(divided) == [39, 31, 23, 15, 7]
 
 
 def test_tables_of_stations_have_the_plane_problem(solid: Result, bare: Result) -> None:

@@ -41,6 +41,7 @@ def test_where_integrals_have_few_elements_the_bar_holds_it(
         one_sided=np.zeros((STATIONS, 3)),
         uneven=np.zeros((STATIONS, 3)),
         known=np.ones(0, dtype=bool),
+        units=np.zeros(0),
     )
     front = copy(circle.front)
     front.sectors = sectors

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Loads of an edge as what it remembers follows them: each increment as if it had one size."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.evaluate.contacts import NOTHING
+from fretfe.evaluate.increments import left_over, mean_of_ends
+from fretfe.history.solution import Factor
+
+# Factors of drivers cancel one another where their sum is less than this part of its terms.
+CANCELS = 0.3
+
+
+@dataclass(frozen=True)
+class EdgeLoads:
+    """Loads of an edge at T states, in units of K of one of them; NaN where not known.
+
+    Attributes:
+        hold: (T,) of P, counted from where bodies touched last; 0 where they are apart.
+        shear: (T,) along a direction, counted from the first known state.
+        unit: (T,) factors of the edge as it is over those in that state.
+        apart: second over first singular value of what drives the shear; 0 of one driver.
+        loose: part of the range of the shear that cycles leave over, before that is taken out.
+    """
+
+    hold: Array
+    shear: Array
+    unit: Array
+    apart: float = 0.0
+    loose: float = 0.0
+
+
+def edge_loads(
+    units: Array,
+    drivers: Array,
+    friction: Bools,
+    touching: Bools,
+    direction: Array,
+    state: int,
+    least: Array,
+) -> EdgeLoads:
+    """Loads of an edge between similar bodies, each increment as if it had one size.
+
+    Increments of K are those of the drivers times the mean of their factors at both ends over a
+    factor of the shear there, in place of K: the ratio of both factors is that of the place, so
+    that loads which return bring hold and shear back (exactly for half-planes, and for one driver
+    of the shear).
+
+    Args:
+        units: (T, d, J) of the edge for a unit of each driver; NaN where unknown.
+        drivers: (T, J) values of the drivers.
+        friction: (T,) whether there is any in the step that ends at each state.
+        touching: (T,) states in which there is contact.
+        direction: (2,) of the shear.
+        state: of the size, or the last one before in which factors are known.
+        least: (T,) K_I in each state, if it is the first known one since bodies touched.
+    """
+    steps, axes = np.diff(drivers, axis=0), direction[: units.shape[1] - 1]
+    normal, along = units[:, Factor.K_I], np.einsum("tcj,c->tj", units[:, Factor.K_T :], axes)
+    unit, apart = _size_of_edge(normal, along, steps, friction[1:])
+    known = np.flatnonzero(np.isfinite(unit))
+    if len(known):
+        unit = unit / unit[known[max(int(np.searchsorted(known, state, "right")) - 1, 0)]]
+    ratios = np.stack([normal, along], axis=1) / unit[:, None, None]
+    increments = mean_of_ends(ratios[:, None], steps)[:, 0]
+    increments[~friction[1:], 1] = 0.0
+    return EdgeLoads(*_held(increments, touching, least / unit), unit, apart)
+
+
+def returned(
+    loads: EdgeLoads, drivers: Array, rubs: Bools, cycles: Sequence[tuple[int, int]]
+) -> EdgeLoads:
+    """Loads of an edge of which the shear returns in cycles in which the drivers (T, J) do.
+
+    Args:
+        loads: of the edge.
+        drivers: (T, J) values of the drivers.
+        rubs: (T,) states in which bodies touch with friction.
+        cycles: first and last state of each.
+    """
+    increments = np.diff(np.column_stack([loads.hold, loads.shear]), axis=0)
+    left = left_over(increments, drivers, rubs, cycles)[:, 1]
+    shear = loads.shear - np.append(0.0, np.cumsum(np.nan_to_num(left)))
+    most = max((abs(float(left[slice(*each)].sum())) for each in cycles), default=0.0)
+    swing = float(np.nanmax(shear, initial=-np.inf) - np.nanmin(shear, initial=np.inf))
+    return replace(loads, shear=shear, loose=most / swing if swing > 0 else 0.0)
+
+
+def unlike_loads(k_i: Array, along: Array, touching: Bools, most: float) -> EdgeLoads:
+    """The same between unlike bodies, whose factors are one number: only where slip turns round.
+
+    Args:
+        k_i: (T,) K_I.
+        along: (T,) K along a direction.
+        touching: as of `edge_loads`.
+        most: hold in the last known state, with which the contact does not slide as a whole.
+    """
+    known = k_i[np.isfinite(k_i)]
+    held = most + k_i - (known[-1] if len(known) else 0.0)
+    return EdgeLoads(np.where(touching, held, 0.0), along, np.ones(len(k_i)))
+
+
+def _held(increments: Array, touching: Bools, least: Array) -> tuple[Array, Array]:
+    """(T,) hold and shear of an edge from their increments (T - 1, 2), NaN where unknown."""
+    sums = np.zeros((len(touching), 2))
+    for state, step in enumerate(increments, start=1):
+        before, known = sums[state - 1], np.isfinite(step).all()
+        if not touching[state]:
+            sums[state] = 0.0, before[1] + step[1] if known else before[1]
+        elif not known:
+            sums[state] = np.nan
+        else:
+            if np.isnan(before[0]):
+                before[:] = least[state - 1], 0.0
+            sums[state] = before + step
+    return sums[:, 0], sums[:, 1]
+
+
+def _size_of_edge(
+    normal: Array, shear: Array, steps: Array, friction: Bools
+) -> tuple[Array, float]:
+    """(T,) factor that tells the size of an edge: of the set of drivers that makes most of a load.
+
+    And how large what is independent of that set is, over it.
+
+    Args:
+        normal: (T, J) K_I for a unit of each driver; NaN where unknown.
+        shear: (T, J) the same of the shear.
+        steps: (T - 1, J) increments of the drivers.
+        friction: (T - 1,) whether the shear counts in each.
+    """
+    known = np.isfinite(shear).all(axis=1)
+    if not known.any():
+        return np.full(len(shear), np.nan), 0.0
+    found = []
+    for units, counted in ((shear, steps * friction[:, None]), (normal, steps)):
+        terms = counted * np.median(np.abs(units[known]), axis=0)
+        found.append((float(np.abs(terms).sum()), units, counted))
+    # Where P alone drives an edge its own factor tells as much.
+    _, units, counted = found[0] if found[0][0] > NOTHING * found[1][0] else found[1]
+    sizes = np.median(np.abs(units[known]), axis=0)
+    _, values, sets = np.linalg.svd(counted * sizes, full_matrices=False)
+    beside = float(values[1] / values[0]) if len(values) > 1 and values[0] > 0 else 0.0
+    shares = np.divide(sets[0], sizes, where=sizes > 0, out=np.zeros_like(sizes))
+    together, apart = np.abs(units @ shares), np.linalg.norm(units * shares, axis=1)
+    # Drivers that cancel one another at a place are no measure of its size.
+    cancel = bool((together[known] < CANCELS * apart[known]).any())
+    size = apart if cancel else together
+    size = np.where(size > 0, size, np.nan) if size[known].any() else np.where(known, 1.0, np.nan)
+    return size, beside

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Histories of edges whose factors are given."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.evaluate.contacts import SlipZone, StationHistory
+from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.slip import FindBorder, States, half_cycles, last_state, zones_of
+
+# Hold of an edge that stands still, over the largest change of its factors.
+FAR = 1e3
+
+
+def edge_history(
+    k_t: Array,
+    k_i: Array | None = None,
+    front: str = "left",
+    position: Array | None = None,
+    hold: Array | None = None,
+) -> StationHistory:
+    """A history with K_N = 1 and exact places.
+
+    Args:
+        k_t: (T,) K_T.
+        k_i: (T,) K_I; zero if not given.
+        front: name of the front.
+        position: (T,) of the edge, else where K_I moves it to.
+        hold: (T,) with which the edge stands there; else far more than K_T and K_I vary by.
+    """
+    zero, one = np.zeros(len(k_t)), np.ones(len(k_t))
+    k_i = zero if k_i is None else k_i
+    most = float(np.nanmax(np.abs(k_t)) + np.nanmax(np.abs(k_i)))
+    return StationHistory(
+        front,
+        0,
+        (-2.0 * k_i if position is None else position),
+        zero,
+        one,
+        zero,
+        k_t=k_t,
+        k_s=zero,
+        k_i=k_i,
+        hold=k_i + FAR * (most or 1.0) if hold is None else hold,
+        shear=k_t,
+        unit=one,
+        slid=zero,
+    )
+
+
+def slip_zones(
+    cycle: States,
+    friction: Array,
+    station: StationHistory,
+    find_border: FindBorder,
+    irregular: bool = False,
+) -> tuple[SlipZone, ...]:
+    """Slip zones of an edge between similar bodies in its half cycles.
+
+    Args:
+        cycle: states of the evaluated cycle.
+        friction: (T,) coefficient in the step that ends at each state.
+        station: position and factors.
+        find_border: gives the slip zone of a half cycle.
+        irregular: as of `half_cycles`.
+    """
+    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
+    if memory is None:
+        return ()
+    halves = half_cycles(cycle, memory, irregular, pressed=False)
+    return zones_of(cycle, memory, halves, find_border)
