@@ -595,8 +595,10 @@ class Station(StationHistory):
     @property
     def moves(self) -> bool:
         """True if P moves the edge in the cycle, so that slip goes by what the edge remembers."""
+        if not math.isfinite(self.equivalent_range):
+            return False
         hold = self.hold[self.first : self.last + 1]
-        return math.isfinite(self.equivalent_range) and bool(np.ptp(hold) > STILL * hold.max())
+        return len(hold) > 0 and bool(np.ptp(hold) > STILL * hold.max())
 
     @property
     def driven_range(self) -> tuple[float, float]:
