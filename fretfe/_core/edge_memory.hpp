@@ -8,8 +8,8 @@
 
 namespace fretfe::edge_memory {
 
-/// What loads an edge at states: its hold, the shear, the coefficient in the step to each state, the
-/// way in which all slips in it or zero, and whether the bodies touch.
+/// What loads an edge at states: its hold, the shear, the coefficient in the step to each state,
+/// the way in which all slips in it or zero, and whether the bodies touch.
 struct Loads {
   const double *hold, *shear, *friction, *slid;
   const bool *touching;
