@@ -315,10 +315,10 @@ class EdgeMemory:
             found += [replace(each, start=self._since(each)) for each in longest[-1:]]
         return tuple(sorted(found, key=lambda each: each.end))
 
-    def at_rest(self, start: int, end: int) -> bool:
-        """True if P does not move the edge between two states."""
+    def at_rest(self, start: int, end: int, within: float = STILL) -> bool:
+        """True if P does not move the edge between two states, but for a part of its hold."""
         hold = self.station.hold[start : end + 1]
-        return bool(np.ptp(hold) <= STILL * hold.max())
+        return bool(np.ptp(hold) <= within * hold.max())
 
     def _since(self, half: HalfCycle) -> int:
         """Last state before a half cycle in which its inner end was covered, or slipped back."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
-from fretfe.evaluate.contacts import SlipZone, StationHistory
+from fretfe.evaluate.contacts import NOTHING, SlipZone, StationHistory
 from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
 from fretfe.evaluate.load_path import LoadPath
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
@@ -183,7 +183,7 @@ def zones_of(
         elif half.length == 0 and border.length > border.spread:  # slip that no edge drives
             spread = max(border.spread, border.length)
             border = replace(border, resolved=False, spread=spread)
-        if math.isnan(cyclic) and not pressed and (unlike or memory.at_rest(start, end)):
+        if math.isnan(cyclic) and not pressed and (unlike or memory.at_rest(start, end, NOTHING)):
             cyclic = _asymptote(memory, half)
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
