@@ -183,7 +183,8 @@ def zones_of(
         elif half.length == 0 and border.length > border.spread:  # slip that no edge drives
             spread = max(border.spread, border.length)
             border = replace(border, resolved=False, spread=spread)
-        if math.isnan(cyclic) and not pressed and (unlike or memory.at_rest(start, end, NOTHING)):
+        rests = station.k_n[end] > 0 and (unlike or memory.at_rest(start, end, NOTHING))
+        if math.isnan(cyclic) and not pressed and rests:
             cyclic = _asymptote(memory, half)
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
