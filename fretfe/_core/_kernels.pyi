@@ -73,9 +73,7 @@ def follow_edge(
     shear: npt.NDArray[np.float64],
     friction: npt.NDArray[np.float64],
     slid: npt.NDArray[np.float64],
-    touching: npt.NDArray[np.bool_],
     first: int,
-    base: float,
     at_once: bool,
 ) -> tuple[
     npt.NDArray[np.float64],

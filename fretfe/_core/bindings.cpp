@@ -19,7 +19,6 @@ namespace {
 
 using Nodes = nb::ndarray<const double, nb::ndim<3>, nb::c_contig, nb::device::cpu>;
 using Tables = nb::ndarray<const double, nb::ndim<5>, nb::c_contig, nb::device::cpu>;
-using Flags = nb::ndarray<const bool, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using Sides = nb::ndarray<const std::int32_t, nb::ndim<1>, nb::c_contig, nb::device::cpu>;
 using fretfe::Numbers, fretfe::Table, fretfe::Values;
 
@@ -134,19 +133,18 @@ auto fit_moments(Tables tables, double first, double step, Table shares, Table m
   });
 }
 
-nb::tuple follow_edge(Values hold, Values shear, Values friction, Values slid, Flags touching,
-                      std::size_t first, double base, bool at_once) {
+nb::tuple follow_edge(Values hold, Values shear, Values friction, Values slid, std::size_t first,
+                      bool at_once) {
   namespace own = fretfe::edge_memory;
   const std::size_t count = hold.shape(0);
   if (shear.shape(0) != count || friction.shape(0) != count || slid.shape(0) != count ||
-      touching.shape(0) != count || first >= count)
+      first >= count)
     throw nb::value_error("the arrays do not fit one another");
   own::Followed found;
   {
     nb::gil_scoped_release release;
-    found = own::follow(
-        {hold.data(), shear.data(), friction.data(), slid.data(), touching.data(), count}, first,
-        base, at_once);
+    found = own::follow({hold.data(), shear.data(), friction.data(), slid.data(), count}, first,
+                        at_once);
   }
   const auto same = [](double value) { return value; };
   return nb::make_tuple(
@@ -181,8 +179,8 @@ NB_MODULE(_kernels, m) {
         "Series behind fronts by least squares to moments (m, bumps): place, first factor, second "
         "over first, errors of place and first factor, sum of squares left, (m, 6). Tables "
         "(exponents, 4, pieces, bumps, columns) are cubic between places, shares (m, exponents).");
-  m.def("follow_edge", &follow_edge, "hold"_a, "shear"_a, "friction"_a, "slid"_a, "touching"_a,
-        "first"_a, "base"_a, "at_once"_a,
+  m.def("follow_edge", &follow_edge, "hold"_a, "shear"_a, "friction"_a, "slid"_a, "first"_a,
+        "at_once"_a,
         "Follow what an edge remembers through states (n,) from one on: way and front of the slip "
         "in the step to each, states (m,) and lowest and highest hold and shear taken (m, 3) of "
         "all slices, and lowest hold and share (k, 2) of what is locked in at the end.");

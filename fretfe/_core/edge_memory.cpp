@@ -109,16 +109,16 @@ private:
 
 } // namespace
 
-Followed follow(const Loads &loads, std::size_t first, double base, bool at_once) {
+Followed follow(const Loads &loads, std::size_t first, bool at_once) {
   const double none = std::numeric_limits<double>::quiet_NaN();
   Followed found{
       std::vector<double>(loads.count, 0.0), std::vector<double>(loads.count, none), {}, {}};
-  Memory memory(std::fmin(base, loads.hold[first]), loads.hold[first]);
+  Memory memory(std::fmin(0.0, loads.hold[first]), loads.hold[first]);
   double friction = 0.0;
   for (std::size_t state = first + 1; state < loads.count; ++state) {
     const double hold = loads.hold[state], moved = hold - loads.hold[state - 1];
     const double shear = loads.shear[state] - loads.shear[state - 1], now = loads.friction[state];
-    if (!loads.touching[state]) {
+    if (!(hold > 0.0)) {
       memory.forget(hold);
       continue;
     }

@@ -8,11 +8,10 @@
 
 namespace fretfe::edge_memory {
 
-/// What loads an edge at states: its hold, the shear, the coefficient in the step to each state,
-/// the way in which all slips in it or zero, and whether the bodies touch.
+/// What loads an edge at states: its hold, none where bodies are apart, the shear, the coefficient
+/// in the step to each state, and the way in which all slips in it or zero.
 struct Loads {
   const double *hold, *shear, *friction, *slid;
-  const bool *touching;
   std::size_t count;
 };
 
@@ -35,11 +34,11 @@ struct Followed {
   std::vector<Segment> locked;
 };
 
-/// Follows an edge from one state on, at which places that have held more than `base` are free.
+/// Follows an edge from one state on, at which no place holds anything.
 ///
 /// Places are covered with the ratio of the step, or with all of f p if that is more; what is left
 /// over slips from the edge inward, and each place takes what its own share leaves.
 /// All at the beginning of a step instead, as nodes close in a solved one, if `at_once`.
-Followed follow(const Loads &loads, std::size_t first, double base, bool at_once);
+Followed follow(const Loads &loads, std::size_t first, bool at_once);
 
 } // namespace fretfe::edge_memory

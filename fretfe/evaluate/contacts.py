@@ -317,6 +317,11 @@ class StationHistory:
         """Sign of inward in positions: -1 at the right edge of a plane contact, else 1."""
         return -1 if self.front == "right" else 1
 
+    def at_rest(self, start: int, end: int, within: float = STILL) -> bool:
+        """True if P does not move the edge between two states, but for a part of its hold."""
+        hold = self.hold[start : end + 1]
+        return bool(np.ptp(hold) <= within * hold.max())
+
     @property
     def decisive_k_n(self) -> tuple[float, float]:
         """K_N in the state `decisive`, and its error bar."""
@@ -522,10 +527,16 @@ class Station(StationHistory):
         return _reported_work(self.dissipation, self.dissipation_spread)
 
     @property
+    def direction(self) -> Array:
+        """(2,) unit vector at `k_angle`, along which (K_T, K_S) varies most."""
+        angle = math.radians(self.k_angle)
+        return np.array([math.cos(angle), math.sin(angle)])
+
+    @property
     def k_along(self) -> Array:
         """(T,) the vector (K_T, K_S) along `k_angle`; K_T in the plane without motion along z."""
-        angle = math.radians(self.k_angle)
-        return np.asarray(math.cos(angle) * self.k_t + math.sin(angle) * self.k_s)
+        inward, along = self.direction
+        return np.asarray(inward * self.k_t + along * self.k_s)
 
     @property
     def stick_border(
@@ -595,10 +606,8 @@ class Station(StationHistory):
     @property
     def moves(self) -> bool:
         """True if P moves the edge in the cycle, so that slip goes by what the edge remembers."""
-        if not math.isfinite(self.equivalent_range):
-            return False
-        hold = self.hold[self.first : self.last + 1]
-        return len(hold) > 0 and bool(np.ptp(hold) > STILL * hold.max())
+        known = math.isfinite(self.equivalent_range) and len(self.hold) > 0
+        return known and not self.at_rest(self.first, self.last)
 
     @property
     def driven_range(self) -> tuple[float, float]:

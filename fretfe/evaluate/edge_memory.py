@@ -20,7 +20,7 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.contacts import STILL, StationHistory
+from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
 from fretfe.evaluate.load_path import LoadPath
 
@@ -254,11 +254,9 @@ class EdgeMemory:
         equal = [e for e in known if self.equivalent_range(e) >= (1 - SAME_LENGTH) * size]
         return equal[-1] if size > 0 else None
 
-    def largest_range(self, first: int) -> float:
-        """Its equivalent range; 0 if nothing slips, NaN if all that slips does so as a whole."""
-        half = self.largest(first)
-        slides = any(each.turn > first for each in self.half_cycles)
-        return self.equivalent_range(half) if half else math.nan if slides else 0.0
+    def slips(self, first: int) -> bool:
+        """True if a half cycle ends after a state."""
+        return any(each.turn > first for each in self.half_cycles)
 
     def equivalent_range(self, half: HalfCycle) -> float:
         """Range f K_N d by what the edge stands on down to the inner end: dK_T at constant P.
@@ -284,7 +282,7 @@ class EdgeMemory:
     @property
     def sure(self) -> bool:
         """True if one driver makes the shear, or P does not move the edge: ranges hold then."""
-        return self.station.apart <= MOST_APART or self.at_rest(self.begin, self.last)
+        return self.station.apart <= MOST_APART or self.station.at_rest(self.begin, self.last)
 
     def doubt(self, half: HalfCycle) -> float:
         """Part of its equivalent range by which that of a half cycle may be off; 0 with one driver.
@@ -300,13 +298,13 @@ class EdgeMemory:
         jump = 2 * float(self.friction[end] * self.station.unit[end]) * abs(half.front - jumped)
         return (left + jump) / size
 
-    def longest(self, first: int) -> tuple[HalfCycle, ...]:
-        """The half cycles with the longest zone forward and backward that end after a state.
+    def longest(self, cycle: Sequence[int] | Indices) -> tuple[HalfCycle, ...]:
+        """The half cycles with the longest zone forward and backward that end in a cycle.
 
-        And those in which the whole contact slips. Each from where places at its inner end were
-        covered or slipped the other way last; smaller ones lie within.
+        Of all without one. And those in which the whole contact slips. Each from where places at
+        its inner end were covered or slipped the other way last; smaller ones lie within.
         """
-        found = []
+        found, first = [], int(cycle[0]) if len(cycle) else self.begin
         for way, slides in itertools.product((1, -1), (True, False)):
             own = [each for each in self.recurring if each.way == way and each.end > first]
             own = [each for each in own if math.isnan(each.length) is slides]
@@ -314,11 +312,6 @@ class EdgeMemory:
             longest = [each for each in own if slides or each.length >= least]
             found += [replace(each, start=self._since(each)) for each in longest[-1:]]
         return tuple(sorted(found, key=lambda each: each.end))
-
-    def at_rest(self, start: int, end: int, within: float = STILL) -> bool:
-        """True if P does not move the edge between two states, but for a part of its hold."""
-        hold = self.station.hold[start : end + 1]
-        return bool(np.ptp(hold) <= within * hold.max())
 
     def _since(self, half: HalfCycle) -> int:
         """Last state before a half cycle in which its inner end was covered, or slipped back."""
@@ -348,7 +341,7 @@ class EdgeMemory:
         Empty if P moves the edge meanwhile: what that does counts, too.
         """
         first, last = halves[0].start, max(each.end for each in halves)
-        if not self.at_rest(first, last):
+        if not self.station.at_rest(first, last):
             return np.zeros(0, dtype=np.int64)
         steps = np.arange(first + 1, last + 1)
         return np.append(first, steps[self.outer(halves)[steps]])

@@ -107,7 +107,7 @@ def follow(station: StationHistory, friction: Array, begin: int, *, at_once: boo
         np.where(known, each[: len(known)], 0.0)
         for each in (station.hold, station.shear, friction, station.slid)
     )
-    found = _kernels.follow_edge(hold, shear, friction, slid, hold > 0, begin, 0.0, at_once)
+    found = _kernels.follow_edge(hold, shear, friction, slid, begin, at_once)
     # What drivers leave over may close a loop, or not.
     return Slip(hold, *found, behind=max(BEHIND, station.loose))
 

@@ -151,7 +151,7 @@ def edge_nodes(
         plane = plane_front(station.front)
         s = plane.inward * (contact.surface.arc - position)
         nodes = _from_front(s, reach)
-        line = plane.axis(station.k_angle, contact.slip.shape[2])
+        line = plane.axis(station.direction, contact.slip.shape[2])
         lines, rows = np.tile(line, (len(nodes), 1)), np.arange(len(nodes))
         return EdgeNodes(contact, nodes, s[nodes], lines, rows)
     nodes, s = _around(contact, front, station, position, reach)

@@ -225,10 +225,8 @@ def add_up(
 def _repeats(drivers: Array, rubs: Bools, cycle: tuple[int, int]) -> bool:
     """True if all drivers (T, J) return in a cycle in which bodies touch with friction (T,)."""
     first, last = cycle
-    change, size = (
-        np.abs(drivers[last] - drivers[first]),
-        np.abs(drivers[first : last + 1]).max(axis=0),
-    )
+    change = np.abs(drivers[last] - drivers[first])
+    size = np.abs(drivers[first : last + 1]).max(axis=0)
     returns = np.all((change <= CLOSED * size) | (size <= ROUND_OFF * size.max()))
     return bool(last > first and returns and rubs[first + 1 : last + 1].all())
 

@@ -233,8 +233,7 @@ def with_cut_spreads(
     def widened(station: Station, points: Array, own: slice) -> Station:
         if not np.isfinite(station.k_range):
             return station
-        angle = np.radians(station.k_angle)
-        k = (station.k_t * np.cos(angle) + station.k_s * np.sin(angle))[first : last + 1]
+        k = station.k_along[first : last + 1]
         ends = sorted((first + int(np.argmin(k)), first + int(np.argmax(k))))
         by_forces, held = (each[own] for each in both(*ends))
         share = _difference_near(points, station.point[: points.shape[1]], by_forces, held)

@@ -49,8 +49,6 @@ class SlipBorder:
 # Part of its range by which a cycle may miss its beginning, or a half cycle be in doubt, where a
 # length is predicted: increments of a moving edge add up to that much.
 LEFT_OPEN = 0.1
-# Part of all that drives slip which is round-off.
-UNDRIVEN = 1e-9
 # Part of what steps of pressing misplace a border by that may be wrong.
 MISPLACED = 0.5
 # Slip zone between two states, measured from the edge at the second one.
@@ -109,7 +107,7 @@ def half_cycles(
     if pressed:
         return (HalfCycle.still(max(last - 1, memory.begin), last),)
     if irregular:
-        return memory.longest(int(cycle[0]) if len(cycle) else memory.begin)
+        return memory.longest(cycle)
     found = memory.half_cycles
     if not len(cycle):
         return found or (HalfCycle.still(memory.begin, last),)
@@ -183,7 +181,7 @@ def zones_of(
         elif half.length == 0 and border.length > border.spread:  # slip that no edge drives
             spread = max(border.spread, border.length)
             border = replace(border, resolved=False, spread=spread)
-        rests = station.k_n[end] > 0 and (unlike or memory.at_rest(start, end, NOTHING))
+        rests = station.k_n[end] > 0 and (unlike or station.at_rest(start, end, NOTHING))
         if math.isnan(cyclic) and not pressed and rests:
             cyclic = _asymptote(memory, half)
         spread = math.hypot(border.spread, float(station.position_spread[end]))
@@ -212,7 +210,7 @@ def zones_of(
 def _asymptote(memory: EdgeMemory, half: HalfCycle) -> float:
     """Length by the published formulas at constant P: of first loading, or after a reversal."""
     station, f = memory.station, float(memory.friction[half.end])
-    swing = abs(float(station.k_t[half.end] - station.k_t[half.start]))
+    swing = abs(float(station.shear[half.end] - station.shear[half.start]))
     first = half in memory.half_cycles[:1] and not memory.unknown
     formula = slip_length_first_loading if first else slip_length_cyclic
     return float(formula(swing, station.k_n[half.end], f))

@@ -269,9 +269,10 @@ class EdgeData(ABC):
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         swing = cycle_range(along.k_t, states)
-        ends = last_state(cycle, along), len(along.k_t) - 1
         stiffening = moved.stiffening if math.isfinite(moved.spread) else math.nan
-        memory, whole = (self._memory(number, along, end, stiffening) for end in ends)
+        last, end = last_state(cycle, along), len(along.k_t) - 1
+        memory = self._memory(number, along, last, stiffening)
+        whole = memory if end == last else self._memory(number, along, end, stiffening)
         parts = self.unresolved(number, direction)
         spread = range_spread(self.factors, number, direction, parts, states, self.path)
         spread = replace(spread, layer=self.layer(number).range_error * swing)
@@ -374,9 +375,12 @@ class EdgeData(ABC):
         """Largest half cycles of the evaluated cycle, and of the whole history."""
         found: dict[str, Any] = {}
         if memory is not None and memory.sure and len(self.cycle) and not self.steps.dundurs:
-            found["equivalent_range"] = memory.largest_range(int(self.cycle[0]))
-            largest = memory.largest(int(self.cycle[0]))
-            found["equivalent_misheld"] = memory.misheld(largest) if largest else 0.0
+            first = int(self.cycle[0])
+            if (largest := memory.largest(first)) is not None:
+                found["equivalent_range"] = memory.equivalent_range(largest)
+                found["equivalent_misheld"] = memory.misheld(largest)
+            elif not memory.slips(first):
+                found["equivalent_range"] = 0.0
         largest = whole.largest() if whole is not None and whole.sure else None
         if whole is not None and largest is not None:
             found |= {"largest_start": largest.start, "largest_end": largest.end}

@@ -196,7 +196,7 @@ def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     own, places = (solution.cycle, edge.places) if contact.solid else (own, edge.position)
     friction = histories[contact.name].edge_friction(places)
     memory = EdgeMemory.of(edge, friction, own[1] if own else len(friction) - 1, edge.stiffening)
-    halves = memory.longest(own[0] if own else memory.begin) if memory else ()
+    halves = memory.longest(own or ()) if memory else ()
     return memory.path(halves) if memory and halves else np.zeros(0, dtype=np.int64)
 
 

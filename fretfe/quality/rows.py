@@ -395,7 +395,7 @@ def _traction_rows(at: Place, result: Result, contact: Contact, station: Station
         yield at.missing("d, by traction", reason)
         return
     history, front = result.contact_history(contact.name), plane_front(station.front)
-    line = front.inward * front.axis(station.k_angle, history.slip.shape[2])
+    line = front.inward * front.axis(station.direction, history.slip.shape[2])
     for number, zone in enumerate(station.slip_zones[-2:], start=1):
         label = f"d, by traction, half cycle {number}"
         if zone.gross or not zone.length > 0:

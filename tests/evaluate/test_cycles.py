@@ -27,7 +27,7 @@ def memory_of(k_t: np.ndarray) -> EdgeMemory:
 
 
 def longest(k_t: np.ndarray, first: int) -> tuple[HalfCycle, ...]:
-    return memory_of(k_t).longest(first)
+    return memory_of(k_t).longest((first, len(k_t) - 1))
 
 
 def slip_depths(k_t: np.ndarray, start: int, end: int, places: np.ndarray) -> float:

@@ -44,7 +44,7 @@ def test_pressing_before_the_cycle_is_no_reversal() -> None:
     fall = divided(np.array([60.0, 0, 0, 0, 0, 0]), 6)
     memory = EdgeMemory.of(station(k_t, fall), np.full(31, FRICTION), 30)
     assert memory is not None
-    assert [(each.start, each.end) for each in memory.longest(6)] == [(12, 18), (18, 24)]
+    assert [(each.start, each.end) for each in memory.longest((6, 30))] == [(12, 18), (18, 24)]
 
 
 def test_round_off_is_no_cycle() -> None:
@@ -90,7 +90,7 @@ def test_zones_of_the_worst_cycle_are_the_longest_of_plays(seed: int, parts: int
     k_t, fall = divided(k_t, parts), divided(fall, parts)
     memory = EdgeMemory.of(station(k_t, fall), np.full(len(k_t), FRICTION), len(k_t) - 1)
     assert memory is not None
-    halves = memory.longest(0)
+    halves = memory.longest((0, len(k_t) - 1))
     for half in halves:
         assert half.start < half.end
         # Places .0005 apart, of half of f K_N y.

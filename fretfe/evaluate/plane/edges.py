@@ -190,11 +190,7 @@ class PlaneEdges(EdgeData):
 
     def slid(self, number: int, direction: Array) -> Array:
         """(T,) way in which all slips, as of `EdgeData.slid`."""
-        return np.sign(self._sliding @ self._axis(number, direction))
-
-    def _axis(self, number: int, line: Array) -> Array:
-        """(d - 1,) of a line at an edge, along the arc and along z: `along` is -z at the left."""
-        return PLANE_FRONTS[number].inward * (line * [1.0, -1.0])[: self._sliding.shape[1]]
+        return np.sign(self._sliding @ PLANE_FRONTS[number].axis(direction, self._sliding.shape[1]))
 
     def shear_share(
         self, number: int, state: int, zone: SlipZone, line: Array, begin: float
@@ -207,7 +203,7 @@ class PlaneEdges(EdgeData):
         behind = (s > begin) & (s < middle) & (traction[:, 0] > 0)
         weights = contact.surface.weights[behind]
         bound = float((contact.friction.at(zone.end, behind) * weights) @ traction[behind, 0])
-        shear = traction[behind, 1:] @ self._axis(number, line)
+        shear = traction[behind, 1:] @ front.axis(line, traction.shape[1] - 1)
         return abs(float(weights @ shear)) / bound if bound > 0 else np.nan
 
     def completed(self, number: int, station: Station) -> Station:

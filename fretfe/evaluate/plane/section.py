@@ -8,7 +8,6 @@ sections, one at each of its two fronts: left and right, and their signs, stand 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeVar
@@ -147,15 +146,14 @@ class PlaneFront:
         """Return (n,) distances inward of places along the arc, in the order of ``from_front``."""
         return self.from_front(self.inward * (x - position))
 
-    def axis(self, angle: float, size: int) -> Array:
+    def axis(self, line: Array, size: int) -> Array:
         """Return the direction (size,) of shear along the arc and, if there are two, along z.
 
         Args:
-            angle: in degrees, from inward towards `along`, which is -z at the left front.
+            line: (2,) by `inward` and `along`, which is -z at the left front.
             size: number of tangential components.
         """
-        line = np.array([math.cos(math.radians(angle)), -math.sin(math.radians(angle))])
-        return np.asarray(self.inward * line[:size])
+        return np.asarray(self.inward * (line * [1.0, -1.0])[:size])
 
     def frame(self, across: Array, tangent: Array) -> Frame:
         """Return the frame of the front's station.

@@ -360,7 +360,7 @@ def _histories(
         ),
         k=np.array([each.k for each in edges]),
         k_i=np.array([each.k_i for each in edges]),
-        direction=np.array([each.direction for each in edges]),
+        direction=np.array([each.station.direction for each in edges]),
         zone=np.array([each.smallest for each in edges]),
         halves=tuple(each.halves for each in edges),
         counted=np.array([each.counted for each in edges]),
@@ -467,12 +467,6 @@ class _Edge:
     first: int
 
     @property
-    def direction(self) -> Array:
-        """(2,) unit vector along which (K_T, K_S) varies most."""
-        angle = math.radians(self.station.k_angle)
-        return np.array([math.cos(angle), math.sin(angle)])
-
-    @property
     def halves(self) -> tuple[tuple[int, int], ...]:
         """Half cycles that are followed, in time order."""
         return tuple(sorted({span for span in self.spans if span is not None}))
@@ -480,7 +474,8 @@ class _Edge:
     @property
     def smallest(self) -> float:
         """Length of the smallest slip zone that is expected."""
-        expected = float(np.ptp(self.k @ self.direction)) / (self.station.friction * self.shape.k_n)
+        swing = float(np.ptp(self.k @ self.station.direction))
+        expected = swing / (self.station.friction * self.shape.k_n)
         lengths = (zone.prediction for zone in self.station.slip_zones)
         return min((each for each in lengths if each > 0), default=expected)
 
@@ -609,9 +604,7 @@ def _pose(
         end = path.evaluated[1] if path.evaluated else len(friction) - 1
         memory = EdgeMemory.of(station, friction, end, station.stiffening)
         if memory is not None:
-            counted = memory.outer(
-                memory.longest(path.evaluated[0] if path.evaluated else memory.begin)
-            )
+            counted = memory.outer(memory.longest(path.evaluated or ()))
     return _Edge(
         station=station,
         bodies=EdgeBodies.of(pair, station.frame),

@@ -176,7 +176,7 @@ def _near(shown: Shown, edge: Station) -> _Near | None:
         return None
     change = float(edge.k_along[states[1]] - edge.k_along[states[0]])
     size = shown.tractions.slip.shape[2]
-    line = np.sign(change) * plane_front(edge.front).axis(edge.k_angle, size)
+    line = np.sign(change) * plane_front(edge.front).axis(edge.direction, size)
     moved = abs(edge.position[states[1]] - edge.position[states[0]])
     if change == 0.0:
         return None
