@@ -389,11 +389,7 @@ class EdgeData(ABC):
         return found
 
     def _zones(
-        self,
-        number: int,
-        memory: EdgeMemory | None,
-        cycles: CountedCycles,
-        direction: Array,
+        self, number: int, memory: EdgeMemory | None, cycles: CountedCycles, direction: Array
     ) -> tuple[SlipZone, ...]:
         """Slip zones, predicted with K along the direction in which it varies most."""
         if memory is None or not self.steps.known[self.cycle].all():
