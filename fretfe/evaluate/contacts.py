@@ -320,7 +320,8 @@ class StationHistory:
     def at_rest(self, start: int, end: int, within: float = STILL) -> bool:
         """True if P does not move the edge between two states, but for a part of its hold."""
         hold = self.hold[start : end + 1]
-        return bool(np.ptp(hold) <= within * hold.max())
+        most = hold.max(initial=0.0)
+        return bool(most - hold.min(initial=math.inf) <= within * most)
 
     @property
     def decisive_k_n(self) -> tuple[float, float]:
@@ -606,8 +607,7 @@ class Station(StationHistory):
     @property
     def moves(self) -> bool:
         """True if P moves the edge in the cycle, so that slip goes by what the edge remembers."""
-        known = math.isfinite(self.equivalent_range) and len(self.hold) > 0
-        return known and not self.at_rest(self.first, self.last)
+        return math.isfinite(self.equivalent_range) and not self.at_rest(self.first, self.last)
 
     @property
     def driven_range(self) -> tuple[float, float]:

@@ -84,7 +84,7 @@ NUMBERS = {
     "cli": 4,
     "contact": 57,
     "decision": 8,
-    "evaluate": 263,
+    "evaluate": 262,
     "exchange": 31,
     "fem": 56,
     "fields": 17,
