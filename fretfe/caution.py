@@ -302,10 +302,10 @@ class Kind(StrEnum):
     )
     FRICTION_VARIES = (
         "friction varies",
-        "friction varies within slip zones",
-        "the coefficient changes by more than 2 % over a slip zone or within the evaluated cycle",
-        "slip zones are predicted with the coefficient at the edge as they end, and found from the "
-        "slip; where friction falls points slip though no load changes, and d is unknown",
+        "friction changes in slip zones",
+        "the coefficient of a place in a slip zone changes by more than 2 % within the cycle",
+        "slip zones are predicted with the coefficient as they end, and found from the slip; where "
+        "friction falls points slip though no load changes, and d is unknown",
     )
     # Of an edge as the target of tests, by `fretfe match`.
     TARGET_UNSTEADY = (

@@ -262,8 +262,7 @@ def _finest(station: Station, size: float) -> float:
     1.9, 2.2, 2.7, 5 % too small, a tenth of an element below it 1.2, 1.5, 2, 5 %. From one element
     on the stress is right to 0.6 % of p0.
     """
-    slip = station.range_over_k_n / (station.friction or math.nan)
-    return 0.0 if slip >= 2.5 * size else size
+    return 0.0 if station.slip_by_range >= 2.5 * size else size
 
 
 def error_of_tractions(station: Station) -> float:

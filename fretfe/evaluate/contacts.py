@@ -19,6 +19,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.caution import Caution
+from fretfe.evaluate.friction_behind import FrictionBehind
 from fretfe.evaluate.withheld import TOLD, Lack, Withheld
 from fretfe.local.problem import Tractions
 
@@ -279,6 +280,7 @@ class StationHistory:
 
     Attributes:
         front: name of its front.
+        friction_behind: coefficient behind the edge, where it is not the same everywhere.
     """
 
     front: str
@@ -311,6 +313,7 @@ class StationHistory:
     decisive: Annotated[
         int, Quantity("", "reversal of K_T with the larger P: of K_N and position in tables")
     ] = field(default=-1, kw_only=True)
+    friction_behind: FrictionBehind = field(default_factory=FrictionBehind, kw_only=True)
 
     @property
     def inward(self) -> int:
@@ -627,9 +630,9 @@ class Station(StationHistory):
         return spread / size if size > 0 else 0.0
 
     @property
-    def range_over_k_n(self) -> float:
-        """|ΔK|/K_N, in proportion to slip zones along a contact; NaN if one of both is not told."""
-        return self.reported_range / (self.reported_k_n or math.nan)
+    def slip_by_range(self) -> float:
+        """|ΔK|/(f K_N), with the coefficient at the edge; NaN if one of both is not told."""
+        return self.reported_range / (self.friction * self.reported_k_n or math.nan)
 
     @property
     def undriven(self) -> bool:
@@ -674,8 +677,7 @@ class Station(StationHistory):
         Nearer to a free end than the width of the field of K_N slip is not that of an edge, but the
         loading increments of full stick have factors as far as slip zones are short.
         """
-        slip = self.range_over_k_n / (self.friction or math.nan)
-        return not self.end or self.to_end > FAR_FROM_END * slip
+        return not self.end or self.to_end > FAR_FROM_END * self.slip_by_range
 
     def told_prediction(self, zone: SlipZone) -> float:
         """Predicted length of a slip zone; NaN where K_N or the range in it is not told."""

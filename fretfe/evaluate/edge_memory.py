@@ -7,6 +7,9 @@ are divided into steps. Places are locked in with a part D of f p, -1 to 1: that
 were covered, dK_T/(f dK_I), or 1 the way they slipped last. Shear takes what that leaves, from the
 edge inward: f (1 -+ D) dH. Where it is used up is the inner end of the slip zone; where nothing is
 left the whole contact slips. For half-planes all of this is exact (Ciavarella 1998, Jaeger 1998).
+
+Where f is not the same at all places behind the edge, places are named by G, what f makes of H:
+f G is the most that shear takes there. As P moves the edge, to first order (`friction_behind`).
 """
 
 from __future__ import annotations
@@ -34,6 +37,8 @@ LEFT_BEHIND = 0.5
 INNER = 0.05
 # Part of the shear that other drivers may make for a history to be that of one.
 MOST_APART = 0.1
+# Holds at which friction that varies is told.
+LEVELS = 400
 # A half cycle is complete if it has come to within this part as far as another one.
 COMPLETE = 1e-2
 
@@ -74,8 +79,8 @@ class EdgeMemory:
         stiffening: relative growth of dP/da with the half-width; NaN where it is not known.
         places: where the edge stands, if its history knows that exactly.
         begin: state from which on it is followed.
-        unknown: hold up to which nothing is known of what is locked in; 0 if there is none.
-        slip: in all steps.
+        last: state up to which it is.
+        rubbed: whether something may be locked in at the beginning.
     """
 
     station: StationHistory
@@ -83,8 +88,8 @@ class EdgeMemory:
     stiffening: float
     places: Places | None
     begin: int
-    unknown: float
-    slip: Slip
+    last: int
+    rubbed: bool
 
     @classmethod
     def of(
@@ -111,15 +116,14 @@ class EdgeMemory:
         begin = max(int(lost[-1]) + 1 if len(lost) else 0, int(np.argmax(friction > 0)) - 1)
         if begin >= last or not friction[begin + 1 : last + 1].any():
             return None
-        rubbed = bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0
         return cls(
             station=station,
             friction=friction,
             stiffening=stiffening,
             places=places_of(station, reach, begin, last) if math.isfinite(reach) else None,
             begin=begin,
-            unknown=float(hold[begin]) if rubbed else 0.0,
-            slip=follow(station, friction[inside], begin, at_once=False),
+            last=last,
+            rubbed=bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0,
         )
 
     def refined(self, path: LoadPath) -> EdgeMemory:
@@ -133,9 +137,50 @@ class EdgeMemory:
             k_n=path.refined(station.k_n),
             slid=path.repeated(station.slid),
         )
-        begin = path.instant(self.begin)
-        slip = follow(station, friction, begin, at_once=False)
-        return replace(self, station=station, friction=friction, begin=begin, slip=slip)
+        last, begin = len(friction) - 1, path.instant(self.begin)
+        return replace(self, station=station, friction=friction, begin=begin, last=last)
+
+    @cached_property
+    def _made(self) -> tuple[Array, Array] | None:
+        """Holds (n,), from 0 on, and what friction makes of them; None if f is the same."""
+        behind, station = self.station.friction_behind, self.station
+        if not behind.varies:
+            return None
+        most = self.begin + int(np.nanargmax(station.hold[self.begin : self.last + 1]))
+        holds = np.linspace(0.0, float(station.hold[most]), LEVELS)
+        lengths = np.array([self._inward(most, each) for each in holds.tolist()])
+        lengths[np.isnan(lengths)] = np.nanmax(lengths)
+        return holds, behind.made(holds, station.inward * float(station.position[most]) + lengths)
+
+    def made(self, hold: Array) -> Array:
+        """(n,) what friction makes of holds (n,)."""
+        return hold if self._made is None else np.asarray(np.interp(hold, *self._made))
+
+    def hold_of(self, made: float) -> float:
+        """Hold of which friction makes so much."""
+        if self._made is None:
+            return made
+        holds, friction_makes = self._made
+        return float(np.interp(made, friction_makes, holds))
+
+    @cached_property
+    def hold(self) -> Array:
+        """(T,) what friction makes of the hold of the edge."""
+        return self.made(self.station.hold)
+
+    @property
+    def unknown(self) -> float:
+        """Hold up to which nothing is known of what is locked in; 0 if there is none."""
+        return float(self.hold[self.begin]) if self.rubbed else 0.0
+
+    @cached_property
+    def slip(self) -> Slip:
+        """The slip in all steps."""
+        return self._followed(at_once=False)
+
+    def _followed(self, *, at_once: bool) -> Slip:
+        station = replace(self.station, hold=self.hold)
+        return follow(station, self.friction[: self.last + 1], self.begin, at_once=at_once)
 
     @property
     def way(self) -> Array:
@@ -150,12 +195,7 @@ class EdgeMemory:
     @cached_property
     def of_nodes(self) -> Slip:
         """The slip if places are covered as steps begin, as nodes close in the solved ones."""
-        return follow(self.station, self.friction[: self.last + 1], self.begin, at_once=True)
-
-    @property
-    def last(self) -> int:
-        """State up to which the edge is followed."""
-        return len(self.slip.way) - 1
+        return self._followed(at_once=True)
 
     @cached_property
     def taken(self) -> Array:
@@ -168,14 +208,18 @@ class EdgeMemory:
         Between finite bodies to second order: what is left of the hold is (1 - b d/2) K_N d/(2 u)
         with the relative stiffening b.
         """
-        hold, station = float(self.station.hold[state]), self.station
-        if not front < hold:
+        if not front < self.hold[state]:
             return 0.0
         if front <= 0.0:
             return math.nan
+        return self._inward(state, self.hold_of(front))
+
+    def _inward(self, state: int, inner: float) -> float:
+        """Length from the edge in a state to where it stands on another hold."""
+        station, hold = self.station, float(self.station.hold[state])
         if self.places is not None:
-            return max(self.places.at(front) - self.places.at(hold), 0.0)
-        straight = 2 * float(station.unit[state]) * (hold - front) / float(station.k_n[state])
+            return max(self.places.at(inner) - self.places.at(hold), 0.0)
+        straight = 2 * float(station.unit[state]) * (hold - inner) / float(station.k_n[state])
         bent = self.stiffening * straight
         if not abs(bent) > 0:  # NaN included
             return straight
@@ -188,9 +232,9 @@ class EdgeMemory:
         An edge may stick in between. It slips the same way twice if it has covered new places
         meanwhile, on which slip does not come to that before.
         """
-        taken, f_hold = self.taken, self.friction.max() * np.nanmax(self.station.hold)
+        taken, f_hold = self.taken, self.friction.max() * np.nanmax(self.hold)
         least = max(TOLERANCE * float(taken.max(initial=0.0)), UNDRIVEN * float(f_hold))
-        ways, fronts, hold = self.way.astype(int), self.front, self.station.hold
+        ways, fronts, hold = self.way.astype(int), self.front, self.hold
         apart = np.cumsum(hold[: len(ways)] <= 0)  # what was before is forgotten
         phases: list[tuple[int, int]] = []
         along = against = 0.0
@@ -241,7 +285,7 @@ class EdgeMemory:
         """True if the inner end of a zone has not slipped back before, and the edge stays then."""
         since, inner = self._since(half), self._inner(half)
         slipped = self.way[since] == -half.way and self.front[since] <= inner
-        moved = float(np.ptp(self.station.hold[half.start : self.last + 1]))
+        moved = float(np.ptp(self.hold[half.start : self.last + 1]))
         return not slipped and moved <= inner - half.front
 
     def largest(self, first: int = -1) -> HalfCycle | None:
@@ -264,7 +308,7 @@ class EdgeMemory:
         In first loading it is twice that of K_T, as places then take half of what they take later.
         """
         f, unit = float(self.friction[half.end]), float(self.station.unit[half.end])
-        return 2 * f * unit * (float(self.station.hold[half.end]) - half.front) if half.way else 0.0
+        return 2 * f * unit * (float(self.hold[half.end]) - half.front) if half.way else 0.0
 
     def misheld(self, half: HalfCycle) -> float:
         """Part of an equivalent range that is in doubt: edges move otherwise than their hold tells.
@@ -317,12 +361,12 @@ class EdgeMemory:
         """Last state before a half cycle in which its inner end was covered, or slipped back."""
         inner, before = self._inner(half), np.arange(self.begin, half.start + 1)
         slipped = (self.way[before] == -half.way) & (self.front[before] <= inner)
-        there = np.flatnonzero((self.station.hold[before] <= inner) | slipped)
+        there = np.flatnonzero((self.hold[before] <= inner) | slipped)
         return int(before[there[-1]]) if len(there) else self.begin
 
     def _inner(self, half: HalfCycle) -> float:
         """Hold of places next to the inner end of a zone."""
-        return half.front + INNER * float(self.station.hold[half.end] - half.front)
+        return half.front + INNER * float(self.hold[half.end] - half.front)
 
     def outer(self, halves: Sequence[HalfCycle]) -> Bools:
         """(T,) steps to states in which zones of half cycles get longer, or outside of them all."""
@@ -350,7 +394,7 @@ class EdgeMemory:
         """True if the history ends before slip has come as far as in another half cycle."""
         same = [each for each in others if each.way == half.way]
         deepest = min((each.front for each in same), default=math.inf)
-        hold = float(self.station.hold[half.end])
+        hold = float(self.hold[half.end])
         return half.front - deepest > COMPLETE * (hold - deepest)
 
     def onset(self, half: HalfCycle) -> int:

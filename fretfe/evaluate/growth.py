@@ -141,8 +141,8 @@ def zone_growth(memory: EdgeMemory, start: int, end: int, outer: Bools) -> Growt
         return None
     if pieces.taken > 0 and (np.diff(hold[memory.begin :]) > 0).any():  # the shape of the nodes
         pieces = memory.of_nodes.between(start, end, way, outer)
-    depth = 2 * unit * (largest - np.linspace(largest, pieces.deepest, LEVELS + 1))
-    rates = unit / f * pieces.within(largest - depth / (2 * unit))
+    levels = np.linspace(largest, memory.hold_of(pieces.deepest), LEVELS + 1)
+    depth, rates = 2 * unit * (largest - levels), unit / f * pieces.within(memory.made(levels))
     drive, moved = float(rates.sum()), 2 * unit * float(np.ptp(hold[half]))
     if not drive > UNDRIVEN * unit * largest:
         rates, drive = 0.0 * rates, 0.0

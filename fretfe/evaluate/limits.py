@@ -186,7 +186,11 @@ def contact_limits(
 def friction_limits(
     contact: Contact, history: ContactHistory, cycle: tuple[int, int] | None
 ) -> Iterator[ModelLimit]:
-    """Change of the coefficient over the slip zones and the cycle, where it is not the same."""
+    """Change of the coefficient of places in the slip zones over the cycle, if it varies.
+
+    And half of that over the way of an edge, as `FrictionBehind` is that of one place of it: where
+    f grows with the distance from an edge, a slice of hold has half of that of the place besides.
+    """
     first, last = cycle or (0, len(history.status) - 1)
     fields = history.friction.among(slice(first + 1, last + 1))
     fields = fields[fields.any(axis=1)]
@@ -203,11 +207,15 @@ def friction_limits(
         if station.slides:
             near = np.asarray(history.status[last] != OPEN)
         if station.friction > 0 and near.any():
-            changes.append(float(np.ptp(fields[:, near])) / station.friction)
+            over_time = float(np.ptp(fields[:, near], axis=0).max()) / station.friction
+            behind, way = station.friction_behind, station.inward * station.position[first:]
+            way = way[np.isfinite(way)]
+            moved = float(np.ptp(behind.at(way))) / 2 if behind.varies else 0.0
+            changes.append(over_time + moved)
     yield ModelLimit(
         contact.name,
         Kind.FRICTION_VARIES,
-        "change of friction over the slip zones and the cycle, over that at the edge",
+        "change of friction in the slip zones over the cycle, over that at the edge",
         max(changes),
         EVEN_FRICTION,
     )

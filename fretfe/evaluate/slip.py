@@ -182,7 +182,8 @@ def zones_of(
             spread = max(border.spread, border.length)
             border = replace(border, resolved=False, spread=spread)
         rests = station.k_n[end] > 0 and (unlike or station.at_rest(start, end, NOTHING))
-        if math.isnan(cyclic) and not pressed and rests:
+        alike = not station.friction_behind.varies
+        if math.isnan(cyclic) and not pressed and rests and alike:
             cyclic = _asymptote(memory, half)
         spread = math.hypot(border.spread, float(station.position_spread[end]))
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step

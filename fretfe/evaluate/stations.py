@@ -39,6 +39,7 @@ from fretfe.evaluate.factors import (
     reversed_share,
     sliding_apart,
 )
+from fretfe.evaluate.friction_behind import FrictionBehind
 from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
@@ -125,6 +126,10 @@ class EdgeData(ABC):
     @abstractmethod
     def size(self, number: int) -> float:
         """Length of an element at an edge."""
+
+    @abstractmethod
+    def friction_behind(self, number: int) -> FrictionBehind:
+        """Coefficient behind an edge in the state `last`."""
 
     @abstractmethod
     def moved(self, number: int) -> MovedEdge:
@@ -338,6 +343,7 @@ class EdgeData(ABC):
             shear=unknown,
             unit=unknown,
             slid=unknown,
+            friction_behind=self.friction_behind(number),
             last=self.last,
             first=int(cycle[0]) if len(cycle) else -1,
         )

@@ -179,11 +179,14 @@ class ContactHistory:
         """(T,) coefficient at an edge, that of the node nearest to it in each state.
 
         All that is found at an edge has this one: formulas and slip zones of its half cycles.
+        Where nodes keep theirs that of its last place: `FrictionBehind` tells others.
 
         Args:
             edge: (T,) its place along the arc; of solids (T, 3).
         """
-        return self.friction.at_edge(self.surface.nodes_at(edge))
+        nodes = self.surface.nodes_at(edge)
+        stays = self.friction.at_edge(np.full_like(nodes, nodes[-1]))
+        return stays if len(np.unique(stays[stays > 0])) == 1 else self.friction.at_edge(nodes)
 
     @property
     def exists(self) -> Bools:

@@ -78,7 +78,7 @@ class Bound:
     """Friction bounds of S edges.
 
     Attributes:
-        friction: (S,) coefficient.
+        friction: (S, n) coefficient.
         lost: (S,) edges that are given up: nothing slips, and nothing is told of them.
     """
 
@@ -87,7 +87,7 @@ class Bound:
 
     def of(self, pressure: Array) -> Array:
         """(S, n) from pressures (S, n)."""
-        return np.where(self.lost[:, None], UNBOUNDED, self.friction[:, None] * pressure)
+        return np.where(self.lost[:, None], UNBOUNDED, self.friction * pressure)
 
 
 @dataclass(frozen=True)

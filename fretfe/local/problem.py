@@ -84,7 +84,9 @@ class EdgeHistories:
         zone: (S,) length of the smallest slip zone that is to be resolved.
         halves: (S,) half cycles of each edge, as their first and last states in time order.
         counted: (S, T) whether slip in the step to each state counts for the half cycles.
-        friction: (S,) coefficient.
+        friction: (S,) coefficient, at the edge where it is not the same everywhere.
+        behind: (S,) places inward from the edge in the reference state and coefficients there over
+            that, (2, m) each; None where they are the same.
         modulus: (S,) E* by the compliance of the bodies to pressure.
         tangential: (S, 2, 2) their compliance to shear inward and along the edge over that.
         cycle: first and last state of the cycle that repeats itself, or None.
@@ -101,6 +103,7 @@ class EdgeHistories:
     halves: tuple[tuple[tuple[int, int], ...], ...]
     counted: Bools
     friction: Array
+    behind: tuple[Array | None, ...]
     modulus: Array
     tangential: Array
     cycle: tuple[int, int] | None
@@ -127,6 +130,16 @@ class EdgeHistories:
         """(S,) largest half-widths, with room for shear that moves the edge."""
         return np.asarray(self.contacts.widths(self.k_i).max(axis=1) * (1 + self.shift))
 
+    def coefficients(self, s: Array) -> Array:
+        """(S, n) at nodes (n,) inward from the outermost place, over its half-width."""
+        found = np.repeat(self.friction[:, None], len(s), axis=1)
+        for edge, behind in enumerate(self.behind):
+            if behind is not None:
+                outermost = self.outermost[edge]
+                place = outermost * s - (outermost - self.contacts.half_width[edge])
+                found[edge] *= np.interp(place, *behind)
+        return found
+
     def of(self, edges: Indices) -> EdgeHistories:
         """The same for some edges."""
         contacts = self.contacts
@@ -142,6 +155,7 @@ class EdgeHistories:
             halves=tuple(self.halves[edge] for edge in edges),
             counted=self.counted[edges],
             friction=self.friction[edges],
+            behind=tuple(self.behind[edge] for edge in edges),
             modulus=self.modulus[edges],
             tangential=self.tangential[edges],
         )
@@ -315,6 +329,7 @@ class _March:
         self._stiffness: Stiffness = bodies.stiffness(histories.tangential)
         self._shapes = pressure_shapes(histories.contacts.power)
         self._outermost = histories.outermost
+        self._friction = histories.coefficients(bodies.s)
         edges, nodes = len(histories.k), len(bodies.s)
         self._shear = np.zeros((edges, nodes, 2))
         self._bound, self._pressure = np.zeros((2, edges, nodes))
@@ -401,7 +416,7 @@ class _March:
         width = self._widths(state, end)
         level = self._given.contacts.level(width) / given.modulus
         pressure = bodies.pressure(self._shapes, width / self._outermost) * level[:, None]
-        bounds = given.friction * pressure.max(axis=1)
+        bounds = (self._friction * pressure).max(axis=1)
         tolerance = TOLERANCE * float(bounds[~self._lost].max())
         if isinstance(bodies, WholeHalfPlanes):
             contacts = UnlikeContacts.of(
@@ -432,7 +447,7 @@ class _March:
 
     def _bound_of(self, pressure: Array) -> Array:
         """(S, n) friction bound."""
-        return Bound(self._given.friction, self._lost).of(pressure)
+        return Bound(self._friction, self._lost).of(pressure)
 
     def _coupled(
         self, contacts: UnlikeContacts, pressure: Array, stuck: Array, tolerance: float
@@ -442,7 +457,7 @@ class _March:
             middle = np.zeros(len(pressure))
             self._pressed = Pressed(pressure, contacts.half_width, middle)
         before = Before(self._pressed, self._slipping, self._shear)
-        bound = Bound(self._given.friction, self._lost)
+        bound = Bound(self._friction, self._lost)
         found = coupled_slip(contacts, self._stiffness, bound, stuck, before, tolerance)
         self._reasons[np.setdiff1d(found.unsettled, found.slipped.unsolved)] = UNSETTLED
         self._lost[found.unsettled] = True

@@ -190,7 +190,7 @@ def coupled_slip(
         change = np.abs(slipped.shear - shear).max(axis=(1, 2))
         slipping = slipped.slipping
         change[slipped.unsolved] = np.inf
-        change /= bound.friction * pressure.max(axis=1)
+        change /= (bound.friction * pressure).max(axis=1)
         if not (change[~bound.lost] > SETTLED).any():
             break
         shear = mixed.next(shear, slipped.shear)

@@ -195,14 +195,14 @@ class Result:
         """
         meant = self._meant(name)
         if len(meant) > 1:
-            meant = [each for each in meant if each[2].defined and each[2].range_over_k_n > 0]
+            meant = [each for each in meant if each[2].defined and each[2].slip_by_range > 0]
             if not meant:
                 raise ModelError(
                     f"edge {name}: expected K_N and the range of K_T to be known somewhere along "
                     "it, each with an error bar of less than half of it, found that they are not"
                     f"{self._why(name)}"
                 )
-        contact, front, station = max(meant, key=lambda each: each[2].range_over_k_n)
+        contact, front, station = max(meant, key=lambda each: each[2].slip_by_range)
         if not station.defined:
             raise ModelError(
                 f"edge {name}: expected a station with factors of its own, found one so near to a "
@@ -225,7 +225,7 @@ class Result:
         if meant:
             return meant
         every = (station for _, front in fronts for station in front.stations)
-        if not any(each.defined and each.range_over_k_n > 0 for each in every):
+        if not any(each.defined and each.slip_by_range > 0 for each in every):
             raise ModelError(
                 f"{where}: expected an edge with a K_N and a range of K_T, found none{self._why()}"
             )

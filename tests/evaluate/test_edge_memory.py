@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -11,6 +12,7 @@ from cases.halfplane_problems import LIMIT, LOAD, PRESS_STEPS, problem, solved
 
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.friction_behind import FrictionBehind
 
 STEPS = 4
 
@@ -98,7 +100,12 @@ FOLLOWED: dict[str, tuple[list[float], list[float], list[float], list[int], list
 }  # fmt: skip
 
 
-def cylinder(p: list[float], q: list[float], friction: list[float]) -> EdgeMemory:
+def cylinder(
+    p: list[float],
+    q: list[float],
+    friction: list[float],
+    behind: FrictionBehind | None = None,
+) -> EdgeMemory:
     """The left edge of a cylinder whose half-width is the root of P."""
     load, shear = np.array(p), np.array(q)
     a, zero = np.sqrt(load), np.zeros(len(load))
@@ -106,7 +113,7 @@ def cylinder(p: list[float], q: list[float], friction: list[float]) -> EdgeMemor
     k_n = 4 * unit * a  # 2 u dP/da
     history = StationHistory(
         "left", 0, -a, zero, k_n, zero, k_t=shear, k_s=zero, k_i=load, hold=load, shear=shear,
-        unit=unit, slid=zero,
+        unit=unit, slid=zero, friction_behind=behind or FrictionBehind(),
     )  # fmt: skip
     coefficient = np.array(friction) if friction else np.full(len(load), 0.5)
     reach = float(a[np.flatnonzero(load)[0]])
@@ -125,6 +132,39 @@ def test_fronts_of_half_cycles_are_exact(name: str) -> None:
         exact = np.sqrt(p[half.end]) - np.sqrt(half.front)
         # Between places that few states tell a cubic curve is what there is.
         assert half.length == pytest.approx(exact, rel=0.03 if name == "P and Q" else 1e-6)
+
+
+# f over that at the edge, at distances from it over the half-width.
+FIELDS: dict[str, Callable[[np.ndarray], np.ndarray]] = {
+    "rises inward": lambda y: 1 + 2 * y,
+    "falls inward": lambda y: 1 - 0.6 * y,
+    "over pressure": lambda y: 1 - 0.5 * np.sqrt(np.clip(1 - (1 - y) ** 2, 0, 1)),
+    "a coating that ends": lambda y: np.interp(y, [0.1, 0.12], [1.0, 1.8]),
+}
+
+
+def held(field: Callable[[np.ndarray], np.ndarray], c: float) -> float:
+    """Q with which a cylinder, P = a = 1, f = .5 at its edges, sticks from -c to c.
+
+    Without a singular shear there Q = 2 int_c^1 f p t/sqrt(t^2 - c^2) dt (Muskhelishvili 1953).
+    """
+    angle = (np.arange(2000) + 0.5) * np.pi / 4000
+    t = np.sqrt(c**2 + (1 - c**2) * np.sin(angle) ** 2)
+    return float((1 - c**2) * 2 * np.mean(0.5 * field(1 - t) * np.cos(angle) ** 2))
+
+
+@pytest.mark.parametrize("name", FIELDS)
+@pytest.mark.parametrize("c", [0.97, 0.9, 0.7])
+def test_friction_that_varies_behind_an_edge(name: str, c: float) -> None:
+    """First loading, and cycles that take twice of what that does."""
+    field, y = FIELDS[name], np.linspace(0.0, 1.0, 1001)
+    q = held(field, c)
+    memory = cylinder([0, 1, 1, 1, 1], [0, 0, q, -q, q], [], FrictionBehind(y - 1, field(y)))
+    assert [each.way for each in memory.half_cycles] == [1, -1, 1]
+    for half in memory.half_cycles:
+        # Of the table of holds, and of its points where a coating ends.
+        assert half.length == pytest.approx(1 - c, rel=5e-3)
+        assert memory.equivalent_range(half) == pytest.approx(2 * q, rel=1e-9)
 
 
 @pytest.mark.parametrize("steps", [1, 7, 50])

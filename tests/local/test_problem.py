@@ -49,6 +49,7 @@ def histories(
         halves=(halves,) * len(shares),
         counted=np.ones_like(k, dtype=bool),
         friction=FRICTION * ones,
+        behind=(None,) * len(shares),
         modulus=E_STAR * ones,
         tangential=np.tile(np.diag([1.0, antiplane]), (len(shares), 1, 1)),
         cycle=(last - STEPS, last),
@@ -80,6 +81,29 @@ SHARES = np.array([0.01, 0.05, 0.2, 0.4, 0.7])
 def test_slip_zones_of_steady_cycles_are_those_of_the_closed_form(power: float) -> None:
     found = lengths(solve_edges(histories(SHARES, power)))
     np.testing.assert_allclose(found, exact(SHARES, power)[:, None].repeat(2, 1), rtol=0.01)
+
+
+# f over that at the edge, at distances from it over the half-width.
+FIELDS = {
+    "rises inward": lambda y: 1 + 2 * y,
+    "falls inward": lambda y: 1 - 0.6 * y,
+    "over pressure": lambda y: 1 - 0.5 * np.sqrt(np.clip(1 - (1 - y) ** 2, 0, 1)),
+}
+
+
+@pytest.mark.parametrize("name", FIELDS)
+def test_friction_that_varies_holds_the_shear_of_its_places(name: str) -> None:
+    """Q of a cylinder that sticks from -c to c, 2 int_c^a f p t/sqrt(t^2 - c^2) dt."""
+    field, depths = FIELDS[name], np.array([0.02, 0.1, 0.3])
+    angle = (np.arange(2000) + 0.5) * np.pi / 4000
+    c = 1 - depths[:, None]
+    t = np.sqrt(c**2 + (1 - c**2) * np.sin(angle) ** 2)
+    shares = (1 - c[:, 0] ** 2) * 2 * np.mean(field(1 - t) * np.cos(angle) ** 2, axis=1)
+    y = np.linspace(0.0, 1.0, 1001)
+    behind = (np.array([HALF_WIDTH * y, field(y)]),) * 3
+    given = histories(shares, CYLINDER, zone=HALF_WIDTH * depths, behind=behind)
+    found = lengths(solve_edges(given))
+    np.testing.assert_allclose(found, HALF_WIDTH * depths[:, None].repeat(2, 1), rtol=0.01)
 
 
 @pytest.mark.parametrize("antiplane", [1.0, 1 / 0.7])
@@ -220,6 +244,7 @@ def out_of_phase(lag: float, steps: int) -> tuple[EdgeHistories, Array]:
         halves=(((ends[1] - steps, ends[0]), (ends[0], ends[1])),),
         counted=np.ones((1, len(k)), dtype=bool),
         friction=np.array([FRICTION]),
+        behind=(None,),
         modulus=np.array([E_STAR]),
         tangential=np.eye(2)[None],
         cycle=(first, first + steps),

@@ -44,6 +44,7 @@ def edges(
         halves=(halves,) * count,
         counted=np.ones_like(k, dtype=bool),
         friction=np.full(count, friction),
+        behind=(None,) * count,
         modulus=HERTZ.e_star * np.ones(count),
         tangential=np.tile(np.diag([1.0, antiplane]), (count, 1, 1)),
         cycle=(last - cycle, last),

@@ -196,6 +196,7 @@ def plane_problem(result: Result, poisson: float, side: int) -> float:
         halves=(((zone.start - states[0] + 1, zone.end - states[0] + 1),),),
         counted=np.ones((1, end + 1), dtype=bool),
         friction=FRICTION * ones,
+        behind=(None,) * len(ones),
         modulus=210e3 / (2 * (1 - poisson**2)) * ones,
         tangential=np.diag([1.0, 1 / (1 - poisson)])[None],
         cycle=(end - 2 * half, end),

@@ -21,6 +21,7 @@ from fretfe.evaluate.factors import (
     misplaced_sums,
     range_error,
 )
+from fretfe.evaluate.friction_behind import FrictionBehind
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
@@ -99,6 +100,12 @@ class PlaneEdges(EdgeData):
         """Length of the element at the last known place of an edge."""
         arc, place = self.contact.surface.arc, last_known(self.fits[number].position, self.cycle)
         return float(np.diff(arc)[max(int(np.searchsorted(arc[1:-1], place)), 0)])
+
+    def friction_behind(self, number: int) -> FrictionBehind:
+        """Coefficient along the arc, as of `EdgeData.friction_behind`."""
+        places = PLANE_FRONTS[number].inward * self.contact.surface.arc
+        friction = self.contact.friction.at(self.last)
+        return FrictionBehind.of(places, friction, float(self.frictions[number][self.last]))
 
     def moved(self, number: int) -> MovedEdge:
         """K_N by the movement of an edge."""

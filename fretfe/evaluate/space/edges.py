@@ -12,6 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import NO_NUMBER, Frame, SlipZone, Station
+from fretfe.evaluate.friction_behind import FrictionBehind, straight_inward
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.slip import FindBorder
@@ -72,6 +73,13 @@ class FrontEdges(EdgeData):
     def size(self, number: int) -> float:
         """Length of an element across the front."""
         return self.track.front.sectors[number].size
+
+    def friction_behind(self, number: int) -> FrictionBehind:
+        """Coefficient along `inward`, as of `EdgeData.friction_behind`."""
+        sector = self.track.front.sectors[number]
+        friction = self.contact.friction.at(self.last, sector.nodes)
+        places, found = straight_inward(sector.s, sector.along, friction, sector.size)
+        return FrictionBehind.of(places, found, float(self.frictions[number][self.last]))
 
     def moved(self, number: int) -> MovedEdge:
         """K_N by the movement of the front."""

@@ -365,6 +365,7 @@ def _histories(
         halves=tuple(each.halves for each in edges),
         counted=np.array([each.counted for each in edges]),
         friction=np.array([each.station.friction for each in edges]),
+        behind=tuple(each.behind for each in edges),
         modulus=np.array([each.bodies.modulus for each in edges]),
         tangential=np.array([each.bodies.tangential for each in edges]),
         cycle=(path.begin, len(path.kept) - 1) if path.cycle else None,
@@ -465,6 +466,14 @@ class _Edge:
     counted: Bools
     spans: tuple[tuple[int, int] | None, ...]
     first: int
+
+    @property
+    def behind(self) -> Array | None:
+        """Coefficient behind the edge, as of `EdgeHistories.behind`."""
+        found, station = self.station.friction_behind, self.station
+        if not found.varies:
+            return None
+        return np.array([found.place - float(station.position[station.last]), found.share])
 
     @property
     def halves(self) -> tuple[tuple[int, int], ...]:

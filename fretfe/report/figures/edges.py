@@ -523,9 +523,9 @@ def worst_station(contact: Contact) -> tuple[Front, Station] | None:
         (front, station)
         for front in contact.fronts
         for station in front.judged
-        if math.isfinite(station.range_over_k_n) and station.local.tractions
+        if math.isfinite(station.slip_by_range) and station.local.tractions
     ]
-    return max(known, key=lambda each: each[1].range_over_k_n, default=None)
+    return max(known, key=lambda each: each[1].slip_by_range, default=None)
 
 
 def station_plot(shown: Shown, front: Front, station: Station) -> Plot | None:

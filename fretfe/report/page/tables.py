@@ -448,10 +448,10 @@ def front_texts(run: Result) -> tuple[str, ...]:
 
 def _worst_text(run: Result, contact: Contact, front: Front) -> str:
     """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
-    known = [s for s in front.judged if math.isfinite(s.range_over_k_n)]
+    known = [s for s in front.judged if math.isfinite(s.slip_by_range)]
     zoned = [s for s in front.judged if math.isfinite(_longest(s)[0])]
     slipping = [s for s in zoned if _longest(s)[0] > 0]
-    steep = max(known, key=lambda s: s.range_over_k_n, default=None)
+    steep = max(known, key=lambda s: s.slip_by_range, default=None)
     long = max(slipping, key=lambda s: _longest(s)[0], default=None)
     marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
     if long is steep:
