@@ -23,7 +23,7 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.contacts import ROUND_OFF, StationHistory
 from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
 from fretfe.evaluate.load_path import LoadPath
 
@@ -37,8 +37,8 @@ LEFT_BEHIND = 0.5
 INNER = 0.05
 # Part of the shear that other drivers may make for a history to be that of one.
 MOST_APART = 0.1
-# Holds at which friction that varies is told.
-LEVELS = 400
+# Places behind an edge at which what drives slip is told.
+LEVELS = 800
 # A half cycle is complete if it has come to within this part as far as another one.
 COMPLETE = 1e-2
 
@@ -182,15 +182,15 @@ class EdgeMemory:
         station = replace(self.station, hold=self.hold)
         return follow(station, self.friction[: self.last + 1], self.begin, at_once=at_once)
 
-    @property
+    @cached_property
     def way(self) -> Array:
         """(T,) of the slip in the step to each state: 1 forward, -1 backward, 0 without."""
-        return self.slip.way
+        return np.where(self.taken > 0, self.slip.way, 0.0)
 
-    @property
+    @cached_property
     def front(self) -> Array:
-        """(T,) hold of the place that it comes to."""
-        return self.slip.front
+        """(T,) hold of the place that it comes to; NaN without."""
+        return np.where(self.taken > 0, self.slip.front, math.nan)
 
     @cached_property
     def of_nodes(self) -> Slip:
@@ -199,8 +199,9 @@ class EdgeMemory:
 
     @cached_property
     def taken(self) -> Array:
-        """(T,) shear that slip takes in the step to each state."""
-        return np.bincount(self.slip.states, self.slip.slices[:, 2], len(self.way))
+        """(T,) shear that slip takes in the step to each state; none where that is round-off."""
+        taken = np.bincount(self.slip.states, self.slip.slices[:, 2], self.last + 1)
+        return np.where(taken > ROUND_OFF * taken.max(initial=0.0), taken, 0.0)
 
     def length(self, state: int, front: float) -> float:
         """Length from the edge in a state to the place of another hold; NaN if that is not known.

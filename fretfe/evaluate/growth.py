@@ -19,7 +19,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.edge_memory import LEVELS, EdgeMemory
+from fretfe.evaluate.edge_slip import TOLERANCE
 from fretfe.evaluate.slip import LEFT_OPEN, SlipBorder
 
 # Next to the border no shape.
@@ -27,10 +28,6 @@ TIP = 0.02
 # Part of the drive by which a loop may miss its beginning by the error of K_T; f K_I, which moves
 # the edge to first order only, counts besides, to `LEFT_OPEN`.
 LOOSE = 0.005
-# Part of f K_I that drives nothing.
-UNDRIVEN = 1e-6
-# Depths at which the growth of a zone is told.
-LEVELS = 800
 # Times that a border is found with the shape by the border of the time before, part of what that
 # changes that may be wrong, and the fewest elements of a zone that tell its shape.
 PASSES = 3
@@ -144,7 +141,7 @@ def zone_growth(memory: EdgeMemory, start: int, end: int, outer: Bools) -> Growt
     levels = np.linspace(largest, memory.hold_of(pieces.deepest), LEVELS + 1)
     depth, rates = 2 * unit * (largest - levels), unit / f * pieces.within(memory.made(levels))
     drive, moved = float(rates.sum()), 2 * unit * float(np.ptp(hold[half]))
-    if not drive > UNDRIVEN * unit * largest:
+    if not drive > TOLERANCE * unit * largest:
         rates, drive = 0.0 * rates, 0.0
     loose = min(LOOSE + moved / (2 * drive), LEFT_OPEN) if drive > 0 else 0.0
     edge = 2 * unit * (largest - float(hold[end]))

@@ -266,8 +266,7 @@ class EdgeData(ABC):
         vectors = np.column_stack([history.k_t, history.k_s])
         direction, turning = main_direction(vectors, cycle)
         loads = self._loads(number, history, vectors @ direction, direction)
-        slid = self.slid(number, direction)
-        history = replace(history, slid=slid, **vars(loads))
+        history = replace(history, slid=self.slid(number, direction), **vars(loads))
         along = replace(history, k_t=vectors @ direction)
         states = self.ranged(along.k_t)
         cycles = count_cycles(cycle, friction, along, self.steps.whole.loads.returns)
@@ -282,7 +281,9 @@ class EdgeData(ABC):
         spread = range_spread(self.factors, number, direction, parts, states, self.path)
         spread = replace(spread, layer=self.layer(number).range_error * swing)
         point, frame = self.place(number, history.decisive)
-        fitted = self.factors.fitted
+        fits, fitted = self.factors.fitted, math.nan
+        if fits is not None:
+            fitted = cycle_range(along_line(fits[number], direction), states)
         exponents = np.broadcast_to(self.fits[number].exponent, history.k_n.shape)
         found = Station(
             **vars(history),
@@ -301,11 +302,7 @@ class EdgeData(ABC):
             turning=turning,
             k_range_spread=spread.total,
             k_range_parts=spread,
-            k_t_range_fitted=(
-                math.nan
-                if fitted is None
-                else cycle_range(along_line(fitted[number], direction), states)
-            ),
+            k_t_range_fitted=fitted,
             k_i_range=cycle_range(history.k_i, states),
             reference_length=math.nan if self.lengths is None else float(self.lengths[number]),
             exponent=float(exponents[history.decisive]),
@@ -400,9 +397,8 @@ class EdgeData(ABC):
         """Slip zones, predicted with K along the direction in which it varies most."""
         if memory is None or not self.steps.known[self.cycle].all():
             return ()
-        pressed, unlike = self.pressed[number], self.steps.dundurs != 0
-        irregular = cycles.irregular
-        halves = half_cycles(self.cycle, memory, irregular, pressed and unlike)
+        alone, irregular = self.pressed[number] and self.steps.dundurs != 0, cycles.irregular
+        halves = half_cycles(self.cycle, memory, irregular, alone)
         zones = [
             self.with_shear(number, zone, direction)
             for part in ([[half] for half in halves] if irregular else [halves])

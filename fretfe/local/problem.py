@@ -135,8 +135,7 @@ class EdgeHistories:
         found = np.repeat(self.friction[:, None], len(s), axis=1)
         for edge, behind in enumerate(self.behind):
             if behind is not None:
-                outermost = self.outermost[edge]
-                place = outermost * s - (outermost - self.contacts.half_width[edge])
+                place = self.outermost[edge] * (s - 1) + self.contacts.half_width[edge]
                 found[edge] *= np.interp(place, *behind)
         return found
 
@@ -428,9 +427,9 @@ class _March:
                 width / self._outermost,
             )
             pressure, solved = self._coupled(contacts, pressure, stuck, tolerance)
-            bound = self._bound_of(pressure)
+            bound = Bound(self._friction, self._lost).of(pressure)
         else:
-            bound = self._bound_of(pressure)
+            bound = Bound(self._friction, self._lost).of(pressure)
             solved = partial_slip(self._stiffness, bound, stuck, self._slipping, tolerance)
         self._lost[solved.unsolved] = True
         slip = np.where((bound > tolerance)[..., None], solved.slip, 0.0)
@@ -444,10 +443,6 @@ class _March:
         self._slip += counted * np.array([along < 0, along >= 0])
         self._shear, self._bound, self._slipping = solved.shear, bound, solved.slipping
         self._pressure = pressure
-
-    def _bound_of(self, pressure: Array) -> Array:
-        """(S, n) friction bound."""
-        return Bound(self._friction, self._lost).of(pressure)
 
     def _coupled(
         self, contacts: UnlikeContacts, pressure: Array, stuck: Array, tolerance: float

@@ -85,16 +85,23 @@ def _larger(run: Result) -> str:
         return ""
     start, end = (run.loads.times[each] for each in (station.largest_start, station.largest_end))
     beyond = run.loads.cycle is not None and not station.first < station.largest_end <= station.last
-    slip = ""
-    if math.isfinite(station.largest_slip):
-        slip = f", d {number(station.largest_slip, 3)} {run.unit('length')}"
     return (
         f"Largest half cycle{' without sliding' if station.slides else ' of the history'}"
         f"{', outside of the evaluated cycle' if beyond else ''}: {contact.name_of(station)}, "
         f"t = {start:.6g} to {end:.6g} {run.case.units.time}: "
         f"equivalent {_shear_symbol(contact, station)} "
-        f"{number(size)} {run.unit('k_t')}{slip}, by the memory of the edge."
+        f"{number(size)} {run.unit('k_t')} by the memory of the edge{_largest_slip(run, station)}."
     )
+
+
+def _largest_slip(run: Result, station: Station) -> str:
+    """Slip zone of the largest half cycle in words, as found if it is; empty if it is not known."""
+    zones = [each for each in station.slip_zones if each.end == station.largest_end]
+    if not math.isfinite(station.largest_slip) or any(each.unknown for each in zones):
+        return ""
+    told, unit = f"predicted {number(station.largest_slip, 3)}", run.unit("length")
+    found = [each for each in zones if each.resolved or math.isfinite(each.reported_local)]
+    return f", d {with_error(*found[0].told)} {unit} ({told})" if found else f", d {told} {unit}"
 
 
 def worst_station(run: Result) -> tuple[Contact, Station] | None:
