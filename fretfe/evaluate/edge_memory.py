@@ -150,7 +150,10 @@ class EdgeMemory:
         holds = np.linspace(0.0, float(station.hold[most]), LEVELS)
         lengths = np.array([self._inward(most, each) for each in holds.tolist()])
         lengths[np.isnan(lengths)] = np.nanmax(lengths)
-        return holds, behind.made(holds, station.inward * float(station.position[most]) + lengths)
+        edge = float(station.hold[station.last])
+        edge = edge if edge > 0 else float(holds[-1])
+        places = station.inward * float(station.position[most]) + lengths
+        return holds, behind.made(holds, places, edge)
 
     def made(self, hold: Array) -> Array:
         """(n,) what friction makes of holds (n,)."""

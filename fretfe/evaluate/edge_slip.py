@@ -92,8 +92,11 @@ class Slip:
         if outer is not None:
             counted &= outer[states]
         slices = self.slices[own][counted]
-        # Where loops close, round-off reaches to the older front.
-        driven = slices[:, 2] > ROUND_OFF * slices[:, 2].sum()
+        low, high, taken = slices.T
+        # Where loops close round-off reaches to the older front, and where the coefficient changes
+        # places take a little that have slipped so already.
+        share = taken / np.maximum(high - low, ROUND_OFF)
+        driven = (taken > ROUND_OFF * taken.sum()) & (share > BEHIND * share.max(initial=0.0))
         return Pieces(slices[driven], float(self.hold[end]), self.behind)
 
 

@@ -53,16 +53,19 @@ class FrictionBehind:
         """(m,) that at places (m,)."""
         return np.interp(place, self.place, self.share)
 
-    def made(self, hold: Array, place: Array) -> Array:
+    def made(self, hold: Array, place: Array, edge: float) -> Array:
         """(n,) what the coefficient makes of holds (n,) from 0 on, whose places are given.
 
-        Where it falls inward so steeply that a longer zone takes less, slip goes on by itself.
+        Behind an edge with the hold `edge` by the mean, outside of it by that of each place. Where
+        it falls inward so steeply that a longer zone takes less, slip goes on by itself.
         """
         weight = np.sin((np.arange(POINTS) + 0.5) * np.pi / (2 * POINTS)) ** 2
-        behind = hold[-1] - hold
-        places = np.interp(hold[-1] - behind[:, None] * weight, hold, place)
+        behind, outside = np.maximum(edge - hold, 0.0), np.maximum(hold - edge, 0.0)
+        places = np.interp(edge - behind[:, None] * weight, hold, place)
         taken = behind * (2 / POINTS * self.at(places) @ weight)
-        return np.maximum.accumulate(taken[0] - taken)
+        here = self.at(place)
+        steps = np.diff(outside, prepend=0.0) * (here + np.append(here[0], here[:-1])) / 2
+        return np.maximum.accumulate(taken[0] - taken + np.cumsum(steps))
 
 
 def straight_inward(s: Array, along: Array, values: Array, size: float) -> tuple[Array, Array]:

@@ -211,7 +211,9 @@ def zones_of(
 def _asymptote(memory: EdgeMemory, half: HalfCycle) -> float:
     """Length by the published formulas at constant P: of first loading, or after a reversal."""
     station, f = memory.station, float(memory.friction[half.end])
-    swing = abs(float(station.shear[half.end] - station.shear[half.start]))
+    # Of missions from zero K_T is not known, as it is counted from there.
+    along = station.k_t if math.isfinite(station.k_t[half.start]) else station.shear
+    swing = abs(float(along[half.end] - along[half.start]))
     first = half in memory.half_cycles[:1] and not memory.unknown
     formula = slip_length_first_loading if first else slip_length_cyclic
     return float(formula(swing, station.k_n[half.end], f))
