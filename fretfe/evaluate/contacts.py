@@ -921,7 +921,7 @@ class Contact:
         float, Quantity("work", "friction work in the evaluated cycle, or of all steps without one")
     ]
     dissipation_spread: Annotated[
-        float, Quantity("work", "error bar of that; NaN of solids and closed forms")
+        float, Quantity("work", "error bar of that; NaN of closed forms")
     ] = math.nan
     dissipation_change: Annotated[
         float, Quantity("", "relative change of that from the cycle before")

@@ -201,10 +201,8 @@ def _of_half(
         else front
         for front in found["fronts"]
     ]
-    first, last = solution.cycle or (0, states - 1)
     resultants = plane_resultants(contact, found["centre"])
-    work = float(resultants["work"][first + 1 : last + 1].sum())
-    own = {"dissipation": work, "dissipation_spread": found["dissipation_spread"] / 2}
+    own = {name: found[name] / 2 for name in ("dissipation", "dissipation_spread")}
     return {**found, **resultants, "fronts": tuple(fronts), **own}
 
 

@@ -143,7 +143,7 @@ def _contact(contact: Contact) -> list[Number]:
             Number(quantity, CONTACT_NUMBERS[name].kind, float(getattr(contact, name)[-1]))
             for quantity, name in SOLID_NUMBERS.items()
         ),
-        Number("friction work", "work", contact.dissipation),
+        Number("friction work", "work", contact.reported_dissipation, contact.dissipation_spread),
     ]
 
 

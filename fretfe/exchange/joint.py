@@ -178,18 +178,12 @@ def joint_loops(result: Result) -> tuple[Loop, ...]:
 
 
 def _friction_work(result: Result) -> tuple[float, float]:
-    """Friction work of all contacts in the cycle, and its error bar over it.
-
-    Of solids the work by the plane problems next to their fronts has no bar: it is the difference.
-    """
+    """Friction work of all contacts in the cycle, and its error bar over it."""
     work = sum(each.dissipation for each in result.contacts)
-    bars = [
-        abs(each.local_dissipation - each.dissipation) if each.solid else each.dissipation_spread
-        for each in result.contacts
-    ]
+    bar = sum(each.dissipation_spread for each in result.contacts)
     if not work > 0:
-        return work, 0.0 if sum(bars) == 0 else math.inf
-    return work, sum(bars) / work
+        return work, 0.0 if bar == 0 else math.inf
+    return work, bar / work
 
 
 def _loads_that_vary(solution: Solution, states: Indices) -> int:

@@ -143,11 +143,11 @@ def _part(attribute: str, owner: type, name: str, prefix: str = "") -> Column:
     )
 
 
-def _last(name: str) -> Column:
-    """A number of a contact, of a history in the last state."""
+def _last(name: str, read: str = "") -> Column:
+    """A number of a contact by the attribute to read, of a history in the last state."""
 
     def value(contact: Contact, _: None) -> Any:
-        found = getattr(contact, name)
+        found = getattr(contact, read or name)
         found = found[-1] if isinstance(found, np.ndarray) else found
         return float(found) if np.ndim(found) == 0 and isinstance(found, np.floating) else found
 
@@ -336,12 +336,10 @@ SOLIDS = (
             "contact_area",
             "stick_area",
             "largest_pressure",
-            "dissipation",
-            "local_dissipation",
-            "local_share",
-            "steady",
         ),
     ),
+    _last("dissipation", "reported_dissipation"),
+    *map(_last, ("dissipation_spread", "local_dissipation", "local_share", "steady")),
     WARNINGS,
 )
 _of_cycles = partial(_part, "cycles", CountedCycles)

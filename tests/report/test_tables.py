@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import io
+import math
 import re
 from dataclasses import replace
 from functools import partial
@@ -31,6 +32,7 @@ from fretfe.report.page.tables import (
     refinement_tables,
     station_table,
     timing_table,
+    work_words,
 )
 from fretfe.report.texts import number, print_whole, with_error, with_prefix
 from fretfe.results.model import Result
@@ -78,7 +80,7 @@ def large(contact: Contact) -> Contact:
         shear_force=WIDE * contact.shear_force,
         **force_ranges(WIDE * contact.normal_force, WIDE * contact.shear_force, None),
         contact_area=WIDE * contact.contact_area,
-        stick_area=WIDE * contact.stick_area, dissipation=1.234e-5,
+        stick_area=WIDE * contact.stick_area, dissipation=1.234e-5, dissipation_spread=1.2e-6,
     )  # fmt: skip
 
 
@@ -100,7 +102,7 @@ def test_contacts_of_solids_fit(sphere: Result, capsys: pytest.CaptureFixture[st
     assert "P, |Q| in MN" in str(table.title) and "1.23e-5" in text
     work = next(list(each.cells) for each in table.columns if each.header == "work")
     assert list(table.columns[0].cells) == ["left flank", "  at fronts"]
-    assert work == ["1.23e-5", "2.34e-5"]
+    assert work == ["1.23e-5\n± 1.2e-6", "2.34e-5"]
 
 
 def test_fronts_fit_and_have_the_plane_problem(
@@ -285,3 +287,21 @@ def test_forces_take_a_prefix() -> None:
     assert with_prefix("N", 20170.0) == (1e3, "kN")
     assert with_prefix("N/mm", 2e7) == (1e6, "MN/mm")
     assert with_prefix("lbf", 2e7) == (1.0, "lbf")
+
+
+def test_friction_work_is_told_with_its_bar_or_why_not(sphere: Result) -> None:
+    contact = replace(sphere.contacts[0], dissipation=2.0, dissipation_spread=0.25)
+    assert work_words(contact) == "2.00 ± 0.25"
+    wide = replace(contact, dissipation_spread=3.0)
+    elements = max(
+        zone.told[0] / each.size for each in wide.stations for zone in each.evaluated_zones
+    )
+    assert work_words(wide) == (
+        f"unknown, because its error bar of 3 exceeds it: slip zones have {number(elements, 2)} "
+        "elements at most"
+    )
+    blind = replace(contact, dissipation=0.0, dissipation_spread=math.inf, fronts=())
+    text = "unknown, because nodes do not show how far slip goes: no slip zone is seen"
+    assert work_words(blind) == text
+    shown = " ".join(front_texts(replace(sphere, contacts=(blind,))))
+    assert f"The friction work of {blind.name} is {text}." in shown

@@ -220,7 +220,8 @@ class PlaneEdges(EdgeData):
         work, spread = (float(each[here].sum()) for each in self.works)
         if station.still:  # what nodes do that open and close
             work, spread = 0.0, work + spread
-        if any(zone.hides for zone in station.evaluated_zones):
+        unseen = work == 0 and self.contact.friction.acts.any() and not station.still
+        if unseen or any(zone.hides for zone in station.evaluated_zones):
             spread = math.inf  # that of nodes that do not slip is no measure of it
         return replace(station, dissipation=work, dissipation_spread=spread)
 

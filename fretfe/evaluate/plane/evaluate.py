@@ -6,7 +6,6 @@ A patch that exists in some of the states only has a history in each interval of
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import Any
 
@@ -16,6 +15,7 @@ from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
 from fretfe.evaluate.contacts import Front, Station, fronts_of, unknown_station
 from fretfe.evaluate.factors import K_T_LENGTH, factors_at, pressed_on
+from fretfe.evaluate.friction_work import friction_work
 from fretfe.evaluate.increments import ContactSteps, Cycle, UnitFactors
 from fretfe.evaluate.loaded import evaluated_states, normal_force, with_own_cycle
 from fretfe.evaluate.numerics import last_known, most_loaded
@@ -30,9 +30,8 @@ from fretfe.evaluate.plane.lacks import with_lack
 from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.plane.symmetry import NO_EDGE
 from fretfe.evaluate.resultants import plane_resultants
-from fretfe.evaluate.slip import cycle_states, slip_in_steps
-from fretfe.history.solution import OPEN, ContactHistory, Factor, Solution
-from fretfe.history.state_array import blocks
+from fretfe.evaluate.slip import cycle_states
+from fretfe.history.solution import ContactHistory, Factor, Solution
 
 # Degrees from inward beyond which the range of (K_T, K_S) has next to no K_T to be compared.
 NEARLY_ALONG_Z = 89.0
@@ -59,17 +58,13 @@ def evaluate_plane(
         with_lack(own, contact, with_stiff_elements(each, contact, solution.degree, k_i))
         for each in edges.stations(told)
     ]
-    work, spread = (float(each.sum()) for each in edges.works)
-    if all(each.still for each in stations):
-        work, spread = 0.0, work + spread
-    unseen = any(math.isinf(each.dissipation_spread) for each in stations)
     return {
         **resultants,
         "fronts": tuple(Front(each.front, (each,)) for each in stations),
         "half_width": edges.half_width,
         **_by_half_planes(contact, edges, stations),
-        "dissipation": work,
-        "dissipation_spread": math.inf if unseen else spread,
+        "dissipation": sum(each.dissipation for each in stations),
+        "dissipation_spread": sum(each.dissipation_spread for each in stations),
     }
 
 
@@ -77,14 +72,15 @@ def evaluate_endless(solution: Solution, contact: ContactHistory) -> dict[str, A
     """Resultants and friction work of a plane contact without edges, by the names of `Contact`."""
     lost = np.full(len(contact.traction), np.nan)
     stations = [unknown_station(each.name, 0, len(lost), NO_EDGE) for each in PLANE_FRONTS]
+    work, spread = friction_work(solution, contact)
     return {
         **plane_resultants(contact, lost),
         "fronts": fronts_of(stations),
         "half_width": lost,
         "effective_tension": lost,
         "shear_mismatch": np.nan,
-        "dissipation": float(_friction_work(solution, contact).sum()),
-        "dissipation_spread": float(_work_spread(solution, contact).sum()),
+        "dissipation": float(work.sum()),
+        "dissipation_spread": float(spread.sum()),
     }
 
 
@@ -119,7 +115,7 @@ def plane_edges(solution: Solution, contact: ContactHistory, find_units: FindUni
         pressed=[pressed_on(each, beta, 2 * a, friction, cycle) for each, friction in histories],
         last=int(cycle[-1]) if len(cycle) else len(solution.times) - 1,
         force=force,
-        works=(_friction_work(solution, contact), _work_spread(solution, contact)),
+        works=friction_work(solution, contact),
     )
 
 
@@ -152,40 +148,3 @@ def _by_half_planes(
         if inward
         else np.nan,
     }
-
-
-def _friction_work(solution: Solution, contact: ContactHistory) -> Array:
-    """(N,) friction work of each node in the evaluated cycle, or in everything without one."""
-    count = len(contact.dissipation)
-    in_cycle = np.zeros(len(contact.surface.arc))
-    first, last = solution.cycle or (-1, count - 1)
-    for states in blocks(count, len(contact.surface.arc)):
-        begin, end = max(first + 1 - states.start, 0), max(last + 1 - states.start, 0)
-        in_cycle += contact.dissipation[states][begin:end].sum(axis=0)
-    return in_cycle
-
-
-def _work_spread(solution: Solution, contact: ContactHistory) -> Array:
-    """(N,) error bar of the friction work of each node; of several nodes they add up.
-
-    When in a step a node slips is not known, so that its work lies between those of the smaller and
-    of the larger pressure at the ends of the step. The work next to an edge is known to that of its
-    outermost node, within whose element the edge is somewhere.
-    """
-    first, last = solution.cycle or (0, len(contact.dissipation) - 1)
-    spread, least = np.zeros(len(contact.surface.arc)), solution.least_slip
-    for part in blocks(last - first, contact.traction[0].size):
-        begin, end = first + part.start, first + part.stop
-        slip = np.linalg.norm(slip_in_steps(contact, begin, end, least), axis=2)
-        pressure = np.maximum(contact.mean_traction[begin : end + 1, :, 0], 0.0)
-        friction = contact.friction.at(slice(begin + 1, end + 1))
-        changes = friction * np.abs(np.diff(pressure, axis=0))
-        spread += (changes * slip).sum(axis=0) * contact.surface.weights / 2
-        closed = np.asarray(contact.status[begin + 1 : end + 1]) != OPEN
-        works = np.asarray(contact.dissipation[begin + 1 : end + 1])
-        for front in PLANE_FRONTS:
-            outermost = np.argmax(front.from_front(closed), axis=1)[:, None]
-            alone = np.take_along_axis(front.from_front(works), outermost, axis=1)[:, 0]
-            nodes = front.from_front(np.arange(len(spread)))[outermost[:, 0]]
-            np.add.at(spread, nodes, alone)
-    return spread

@@ -22,8 +22,7 @@ from fretfe.history.solution import ContactHistory, Solution
 def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> Station:
     """The station with the reason why a factor of it is not known, and without a range then.
 
-    A range without a bar is not known either, if the edge is not known in some state, nor is
-    friction work if no node slips.
+    A range without a bar is not known either, if the edge is not known in some state.
 
     Args:
         solution: the solved history.
@@ -40,9 +39,6 @@ def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> 
     unknown = contact.exists[station.decisive] and not math.isfinite(station.decisive_k_n[0])
     if not unknown and (ranged or solution.cycle is None):
         return station
-    if station.dissipation == 0 and contact.friction.acts.any():
-        # Of so few nodes that none slips: that is no measure of it.
-        station = replace(station, dissipation_spread=math.inf)
     if unknown and contact.nodes_pressed_in(np.array([station.decisive])).any():
         # K_N has the reason of its own state, whatever happens in others.
         return replace(station, lack=_reason(contact, station, np.array([station.decisive])))

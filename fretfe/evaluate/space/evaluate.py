@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import replace
 from typing import Any
@@ -12,6 +13,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Frame, Front, unknown_station
 from fretfe.evaluate.factors import FactorHistories, pressed_on, rotated
+from fretfe.evaluate.friction_work import friction_work
 from fretfe.evaluate.increments import ContactSteps, UnitFactors
 from fretfe.evaluate.loaded import normal_force, pressed_state
 from fretfe.evaluate.resultants import solid_resultants
@@ -49,7 +51,6 @@ def evaluate_solids(
         told: reference length of factors between unlike bodies; None for the predicted slip zones.
     """
     found = solid_resultants(contact)
-    first, last = solution.cycle or (0, len(solution.times) - 1)
     tracks, nobody = tracks or (), tracks is None
     lost = lost_fronts(solution, contact, tracks)
     fronts = evaluate_fronts(solution, contact, tracks, told)
@@ -66,12 +67,20 @@ def evaluate_solids(
         )
     reference = pressed_state(solution, contact)
     missing = not nobody and not any(track.state == reference for track in tracks)
+    work, spread = (float(each.sum()) for each in friction_work(solution, contact))
+    stations = [each for front in fronts for each in front.stations]
+    hidden = [any(zone.hides for zone in each.evaluated_zones) for each in stations]
+    still = not found["normal_force"].any() or (bool(stations) and all(s.still for s in stations))
+    unseen = work == 0 and not still and contact.friction.acts.any()
+    if unseen or 2 * sum(hidden) > len(hidden):
+        spread = math.inf  # that of nodes that do not slip is no measure of it
     return {
         **found,
         "fronts": fronts,
         "lack": why_no_fronts(contact, reference) if missing else TOLD,
         "patches": patches,
-        "dissipation": float(found["work"][first + 1 : last + 1].sum()),
+        "dissipation": work,
+        "dissipation_spread": spread,
     }
 
 

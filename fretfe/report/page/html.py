@@ -39,6 +39,7 @@ from fretfe.report.page.tables import (
     station_table,
     summary,
     timing_table,
+    work_words,
 )
 from fretfe.report.pictures.folder import read_pictures
 from fretfe.report.source import Shown, shown_contacts
@@ -332,7 +333,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         fronts=_table("table of fronts", lambda: station_table(run)) if run.solid else None,
         ends=guarded("tables of free ends", lambda: end_tables(run), lambda _: []),
         works=[
-            f"{contact.name} {_work_words(contact)}"
+            f"{contact.name} {work_words(contact)}"
             for contact in run.contacts
             if math.isfinite(contact.dissipation)
         ],
@@ -392,16 +393,6 @@ def _text(name: str) -> str:
 
 def _checks(run: Result) -> tuple[Row, ...]:
     return tuple(own_rows(run)) if _solved(run.solution) else ()
-
-
-def _work_words(contact: Contact) -> str:
-    """Friction work of a contact with its error bar, where it has one."""
-    bar = contact.dissipation_spread
-    if math.isnan(bar):
-        return number(contact.dissipation)
-    if math.isnan(contact.reported_dissipation):
-        return f"unknown, since its error bar of {number(bar, 2)} is larger than the work itself"
-    return f"{number(contact.dissipation)} ± {number(bar, 2)}"
 
 
 def _solved(solution: Solution) -> bool:

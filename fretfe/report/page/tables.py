@@ -187,9 +187,15 @@ def _solid_cells(contact: Contact, cycle: slice, last: int, scale: float) -> tup
         number(contact.contact_area[last], 3),
         number(contact.stick_area[last], 3),
         number(contact.largest_pressure[cycle].max()),
-        number(contact.dissipation, 3),
+        _work_cell(contact.reported_dissipation, contact.dissipation_spread),
         _steady(contact),
     )
+
+
+def _work_cell(work: float, bar: float) -> str:
+    """Friction work over its error bar, where it has one: the table is wide."""
+    told = math.isfinite(work) and bar > 0
+    return number(work, 3) + (f"\n± {number(bar, 2)}" if told else "")
 
 
 def _steady(contact: Contact) -> str:
@@ -492,8 +498,13 @@ def _factors(run: Result, station: Station) -> str:
 
 
 def _work_text(run: Result) -> str:
-    """The parts of fronts that their friction work by plane problems leaves out; empty if none."""
+    """Friction work that is unknown, and the parts of fronts that it leaves out; empty if none."""
     parts = []
+    texts = [
+        f"The friction work of {each.name} is {work_words(each)}."
+        for each in run.contacts
+        if math.isfinite(each.dissipation) and math.isnan(each.reported_dissipation)
+    ]
     for contact in run.contacts:
         lost = [station for station in contact.stations if not math.isfinite(station.local.work)]
         if lost and math.isfinite(contact.local_dissipation):
@@ -502,12 +513,31 @@ def _work_text(run: Result) -> str:
                 f"{1 - contact.local_share:.0%} of the length at {contact.name} ({len(lost)} of "
                 f"{len(contact.stations)} stations, {ends} of them near a free end)"
             )
-    if not parts:
-        return ""
-    return (
-        "The friction work at fronts leaves out the parts whose stations have no plane problem: "
-        f"{', '.join(parts)}. The work of the nodes is that of the whole contact."
+    if parts:
+        texts.append(
+            "The friction work at fronts leaves out the parts whose stations have no plane "
+            f"problem: {', '.join(parts)}. The work of the nodes is that of the whole contact."
+        )
+    return " ".join(texts)
+
+
+def work_words(contact: Contact) -> str:
+    """Friction work of a contact with its error bar, or why it is unknown."""
+    work, bar = contact.reported_dissipation, contact.dissipation_spread
+    if math.isfinite(work):
+        return with_error(work, bar)
+    zones = [(zone, each.size) for each in contact.edges for zone in each.evaluated_zones]
+    elements = max(
+        (zone.told[0] / size for zone, size in zones if zone.told[0] * size > 0), default=0.0
     )
+    seen = (
+        f"slip zones have {number(elements, 2)} elements at most"
+        if elements
+        else "no slip zone is seen"
+    )
+    if math.isinf(bar):
+        return f"unknown, because nodes do not show how far slip goes: {seen}"
+    return f"unknown, because its error bar of {number(bar, 2)} exceeds it: {seen}"
 
 
 def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:

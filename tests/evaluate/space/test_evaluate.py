@@ -18,7 +18,7 @@ from fretfe.evaluate.contacts import Contact, Front, RangeSpread, SlipZone
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.slip import SlipBorder
 from fretfe.evaluate.space import fronts as nested
-from fretfe.evaluate.space.evaluate import evaluate_fronts
+from fretfe.evaluate.space.evaluate import evaluate_fronts, evaluate_solids
 from fretfe.evaluate.space.fronts import AREAS, follow_fronts, nested_areas
 from fretfe.evaluate.space.sectors import outlines
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
@@ -579,3 +579,12 @@ def test_nested_areas_around_a_circle() -> None:
     areas = nested_areas(points, none, [track], [place])
     assert not any(area[points[:, 0] > 0.7].any() for area in areas)
     assert all(area[points[:, 0] < 0.0].any() for area in areas)
+
+
+def test_friction_work_is_unknown_where_no_node_slips() -> None:
+    """A slip zone may be shorter than an element; what never touches does no work."""
+    points, facets = grid()
+    for peak, bar in ((1.0, np.inf), (0.0, 0.0)):
+        solution, contact = solved(points, facets, [hertz(1.0, 1.0, peak)] * 2)
+        found = evaluate_solids(solution, contact, (), None)
+        assert (found["dissipation"], found["dissipation_spread"]) == (0.0, bar)
