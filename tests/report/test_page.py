@@ -217,7 +217,7 @@ def test_verdicts(tmp_path: Path, verdict: str) -> None:
         ({"spread": 0.11}, "~1.00 ± 0.11", "~1"),
         ({"spread": 0.01, "resolved": False}, "~1.000 ± 0.010", "~1"),
         ({"spread": 0.6}, "-", "-"),
-        ({"length": 0.0, "spread": 0.02}, "0.000 ± 0.020", "0"),
+        ({"length": 0.0, "spread": 0.02}, "&lt; 0.02", "< 0.02"),
         ({"length": 0.0, "spread": 0.02, "resolved": False}, "&lt; 0.02", "< 0.02"),
     ],
 )

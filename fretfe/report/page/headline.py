@@ -167,7 +167,7 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     if zone is not None and zone.gross:
         texts.append("the whole contact slides there")
     elif zone is not None:
-        found = _known(with_error(*zone.told), run.unit("length"))
+        found = _known(or_bound(zone, with_error(*zone.told)), run.unit("length"))
         texts.append(f"d {found}{_counted_from(station)} ({_compared(run, station, verdict)})")
     end = end_beside(run, station)
     near = "" if end is None else _by_parts(run, contact, station) + nearest_range(run, end)
@@ -213,6 +213,14 @@ def _counted_from(station: Station) -> str:
     if zone is None or not is_elsewhere(station, zone):
         return ""
     return f" from {number(float(station.position[zone.end]))}"
+
+
+def or_bound(zone: SlipZone, length: str) -> str:
+    """A length as text; its upper bound where no node slips."""
+    if zone.gross:
+        return "gross"
+    bounded = zone.length == 0 < zone.spread < math.inf and math.isnan(zone.reported_local)
+    return f"< {number(zone.spread, 2)}" if bounded else length
 
 
 def is_elsewhere(station: Station, zone: SlipZone) -> bool:

@@ -22,7 +22,7 @@ from fretfe.evaluate.verdicts import Judgement, judge, longest_verdict
 from fretfe.evaluate.withheld import Lack
 from fretfe.quality.ends import read_answers
 from fretfe.report.page.ends import end_lines
-from fretfe.report.page.headline import headline, is_elsewhere, worst_station
+from fretfe.report.page.headline import headline, is_elsewhere, or_bound, worst_station
 from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
@@ -86,7 +86,7 @@ def _edge_cells(edge: Station) -> list[str]:
     zones = edge.slip_zones[-2:]
     # ~ marks a length that is not resolved, or known to a tenth at best.
     measured = [
-        _or_bound(zone, marked(number(zone.reported_length, 3), zone.uncertain)) for zone in zones
+        or_bound(zone, marked(number(zone.reported_length, 3), zone.uncertain)) for zone in zones
     ]
     predicted = [edge.told_prediction(zone) for zone in zones if not zone.gross]
     known = " / ".join(number(each, 3) for each in predicted if math.isfinite(each)) or MISSING
@@ -97,14 +97,6 @@ def _edge_cells(edge: Station) -> list[str]:
         (" / ".join(measured) or MISSING) + _counted_from(edge, zones),
         marked(known, edge.uncertain or edge.uncertain_range),
     ]
-
-
-def _or_bound(zone: SlipZone, length: str) -> str:
-    """The length as text; its upper bound where a zone may hide between the nodes."""
-    if zone.gross:
-        return "gross"
-    bounded = zone.hides and math.isnan(zone.reported_local) and math.isfinite(zone.spread)
-    return f"< {number(zone.spread, 2)}" if bounded else length
 
 
 def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
@@ -357,7 +349,7 @@ def _at(station: Station) -> tuple[str, ...]:
     zones = station.slip_zones[-ZONES:]
     return (
         *(with_error(*each.read(station)) for each in (K_N, K_RANGE)),
-        _lines(_or_bound(zone, with_error(*zone.told)) for zone in zones),
+        _lines(or_bound(zone, with_error(*zone.told)) for zone in zones),
         _lines(number(station.told_prediction(zone), 3) for zone in zones),
     )
 
@@ -431,7 +423,7 @@ def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found=_or_bound(zone, marked(length, zone.uncertain) + _counted_from(edge, [zone])),
+        found=or_bound(zone, marked(length, zone.uncertain) + _counted_from(edge, [zone])),
         predicted=marked(number(predicted, 3), edge.uncertain or edge.uncertain_range),
         ratio=number(ratio, 3),
         judged=judge(edge, zone),
