@@ -200,22 +200,28 @@ def may_become_steady(changes: Sequence[Sequence[float]]) -> bool:
 # Places of more cycles, by the choice of the evaluated one; else at the end.
 WHERE = {
     CycleChoice.GIVEN: " before the one in [cycle]",
+    CycleChoice.ADDED: " by a larger `more` in [cycle]",
     CycleChoice.OTHER_RUN: " to the case of the run that the cuts follow, and cut it again",
 }
 
 
-def unsteady_text(changes: Sequence[float], choice: CycleChoice | None = None) -> str:
+def unsteady_text(
+    changes: Sequence[float], choice: CycleChoice | None = None, drifting: Sequence[str] = ()
+) -> str:
     """Say that a cycle is not steady, and how many more it takes; empty if it is.
 
     Args:
         changes: as of `cycle_changes`.
         choice: of the cycle.
+        drifting: loads that do not return in it, so that it cannot be repeated.
     """
     where = "" if choice is None else WHERE.get(choice, "")
     now, *before = changes
     if not now >= STEADY_CHANGE:
         return ""
     found = f"not in steady state: the shear changes by {now:.2g} f p_max over the evaluated cycle"
+    if drifting:
+        return f"{found}, in which {', '.join(drifting)} does not return: end it where loads do"
     if not before:
         return f"{found}; add a cycle{where}: the changes over two say about how many it takes"
     # The slower fall of the last two: the first one, out of the unloaded state, is the fastest.

@@ -82,7 +82,7 @@ def plane_warnings(
         yield from about(name, station.front, _uncounted(solution, station))
     yield from _surfaces(contact, fronts)
     yield from about(name, "", _patches(contact))
-    if unsteady := unsteady_text(changes, solution.choice):
+    if unsteady := unsteady_text(changes, solution.choice, solution.loads.open_channels):
         yield from about(name, "", [(Kind.UNSTEADY, unsteady)])
     yield from about(name, "", _within_step(solution, contact))
     if slides or any(station.slides for station in stations):
@@ -225,7 +225,7 @@ def _solid_contact(
     for each in found["patches"]:
         if each.reason:
             yield Kind.PATCH_FORCES, f"patch {each.name}: {each.reason}"
-    if unsteady := unsteady_text(changes, solution.choice):
+    if unsteady := unsteady_text(changes, solution.choice, solution.loads.open_channels):
         yield Kind.UNSTEADY, unsteady
 
 

@@ -53,7 +53,15 @@ def test_one_cycle_tells_nothing_and_a_steady_one_needs_none() -> None:
     told = {choice: unsteady_text([0.3], choice) for choice in CycleChoice}
     assert "; add a cycle before the one in [cycle]: the" in told[CycleChoice.GIVEN]
     assert "; add a cycle to the case of the run that the cuts" in told[CycleChoice.OTHER_RUN]
+    assert "; add a cycle by a larger `more` in [cycle]: the" in told[CycleChoice.ADDED]
     assert unsteady_text([0.9 * STEADY_CHANGE, 0.3]) == unsteady_text([math.nan]) == ""
+
+
+def test_loads_that_do_not_return_are_no_cycle_to_add() -> None:
+    text = unsteady_text([0.3], CycleChoice.GIVEN, ["pull", "shear"])
+    assert text.endswith(
+        "the evaluated cycle, in which pull, shear does not return: end it where loads do"
+    )
 
 
 @pytest.mark.parametrize(
