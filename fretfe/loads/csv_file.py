@@ -145,7 +145,7 @@ def read_table(
     rows = _rows(path, delimiter)
     header, bracketed = _without_units([*map(str.strip, next(rows)[1])], {*names, *optional})
     wanted = [*names, *(name for name in optional if name in header)]
-    places = [_column(path, header, name) for name in wanted]
+    places = [_column(path, header, name, delimiter) for name in wanted]
     first = next(rows, None)
     units: tuple[str, ...] = ()
     if first is not None and _are_units(first[1]):
@@ -165,7 +165,7 @@ def read_table(
     numbers = _Numbers(path, header, decimal_comma=delimiter != ",")
     data, lines, marked = array("d"), array("l"), []
     for line, cells in chain([first], rows):
-        _require_no_more_cells(path, line, cells, header)
+        _require_cells(path, line, cells, header, delimiter, least=min(len(wanted), 2))
         if len(lines) == MOST_ROWS:
             raise CaseError(
                 f"{path}: line {line}: expected at most {MOST_ROWS:,} rows of numbers, found more"
@@ -296,8 +296,9 @@ def read_texts(path: Path, name: str, names: Sequence[str]) -> list[str]:
     Raises:
         CaseError: file, line and column of what is not as expected.
     """
-    rows = _rows(path, _told_delimiter(path, names))
-    place = _column(path, [each.strip() for each in next(rows)[1]], name)
+    delimiter = _told_delimiter(path, names)
+    rows = _rows(path, delimiter)
+    place = _column(path, [each.strip() for each in next(rows)[1]], name, delimiter)
     return [
         cells[place].strip() if place < len(cells) else ""
         for _, cells in rows
@@ -347,12 +348,13 @@ def _stated_delimiter(path: Path) -> str | None:
 
 
 def _told_delimiter(path: Path, names: Sequence[str]) -> str:
-    """The delimiter with which the header row has all of the names; a comma if none does.
+    """The delimiter with which the header row has all of the names, or else most, or most cells.
 
     Spaces may stand beside any other delimiter: they are the delimiter only if nothing else is.
     """
     found: dict[tuple[str, ...], str] = {}
-    for delimiter, header in _headers(path).items():
+    headers = _headers(path)
+    for delimiter, header in headers.items():
         if set(names) <= set(_without_units(header, names)[0]) and not (found and delimiter == " "):
             found.setdefault(header, delimiter)
     if len(found) > 1:
@@ -361,7 +363,13 @@ def _told_delimiter(path: Path, names: Sequence[str]) -> str:
             f"{path}: line 1: expected one separator with which the header has the columns "
             f"{', '.join(map(repr, names))}, found {kinds}: name it"
         )
-    return next(iter(found.values()), _stated_delimiter(path) or ",")
+
+    def likely(delimiter: str) -> tuple[int, bool, bool]:
+        header = headers[delimiter]
+        known = set(names) & set(_without_units(header, names)[0])
+        return len(known), len(header) > 1, delimiter != " "
+
+    return next(iter(found.values()), max(headers, key=likely))
 
 
 def _rows(path: Path, delimiter: str) -> Iterator[tuple[int, list[str]]]:
@@ -433,8 +441,15 @@ def _not_text(path: Path) -> str:
     )
 
 
-def _require_no_more_cells(path: Path, line: int, cells: list[str], header: list[str]) -> None:
-    """A decimal comma between commas is one more cell, and a value that is too small."""
+def _require_cells(
+    path: Path, line: int, cells: list[str], header: list[str], delimiter: str, least: int
+) -> None:
+    """A decimal comma between commas is one more cell, another separator makes one of all."""
+    if len(cells) < least and any(each in cells[0].strip() for each in SEPARATORS.values()):
+        raise CaseError(
+            f"{path}: line {line}: expected {len(header)} cells with the separator "
+            f"{_called(delimiter)}, as in the header, found {shortened(cells[0])!r}"
+        )
     if any(cell.strip() for cell in cells[len(header) :]):
         raise CaseError(
             f"{path}: line {line}: expected at most {len(header)} cells, as in the header, found "
@@ -442,10 +457,18 @@ def _require_no_more_cells(path: Path, line: int, cells: list[str], header: list
         )
 
 
-def _column(path: Path, names: list[str], name: str) -> int:
+def _called(delimiter: str) -> str:
+    """The name that a case gives a delimiter, in quotes."""
+    return next(repr(name) for name, each in SEPARATORS.items() if each == delimiter)
+
+
+def _column(path: Path, names: list[str], name: str, delimiter: str) -> int:
     if names.count(name) == 1:
         return names.index(name)
-    found = ", ".join(map(repr, names))
+    found = f"{', '.join(map(repr, names))}, with the separator {_called(delimiter)}"
+    others = [each for each, header in _headers(path).items() if name in header]
+    if others and name not in names:
+        found += f"; it has one with {_called(others[0])}"
     raise CaseError(f"{path}: line 1: expected one column {name!r}, found {found}")
 
 

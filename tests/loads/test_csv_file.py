@@ -73,3 +73,29 @@ def test_units(text: str) -> None:
 @pytest.mark.parametrize("text", ["", "left", "x", "p max", "1.5", "nan", "mm left", "10"])
 def test_no_units(text: str) -> None:
     assert not is_unit(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "separator", "message"),
+    [
+        ("t;Q\n0;0\n", None, "one column 'time', found 't', 'Q', with the separator ';'"),
+        ("\ufefft;Q\n0;0\n", None, "found 't', 'Q', with the separator ';'"),
+        ('"t";"Q"\n0;0\n', None, "found 't', 'Q', with the separator ';'"),
+        ("t\tQ\n0\t0\n", None, "found 't', 'Q', with the separator 'tab'"),
+        ("t Q\n0 0\n", None, "found 't', 'Q', with the separator 'space'"),
+        ("t [s];Q [kN]\n0;0\n", None, "found 't [s]', 'Q', with the separator ';'"),
+        ("t|Q\n0|0\n", None, "found 't|Q', with the separator ','"),
+        ("time;Q\n0;0\n", ",", "found 'time;Q', with the separator ','; it has one with ';'"),
+        ("time;Q\n0,0\n", None, "line 2: expected 2 cells with the separator ';', as in"),
+        ("time,Q\n0;0\n", None, "with the separator ',', as in the header, found '0;0'"),
+        ("time,Q\n0,0\n1\n", None, "line 3, column 'Q': expected a finite number, found an"),
+    ],
+)  # fmt: skip
+def test_refusals_name_the_separator(
+    tmp_path: Path, text: str, separator: str | None, message: str
+) -> None:
+    path = tmp_path / "loads.csv"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(CaseError) as caught:
+        read_columns(path, "time", "Q", {}, separator)
+    assert message in str(caught.value)
