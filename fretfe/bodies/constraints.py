@@ -136,13 +136,14 @@ def support_constraints(
         if support.direction is not None:
             along = unit_vector(support.direction, size)
             rollers.append(Driven(Constraint(name, on, along, roller=True)))
+        sided = " and ".join(repr(axis) for axis in support.fix if axis not in AXES)
+        if sided and tie is None:
+            text = f"expected {sided} at a body with sides of a sector, found one without"
+            raise CaseError(complaint(case.source, ("supports", name, "fix"), text))
         for axis in support.fix:
             label = f"{name} {axis}"
             if axis in AXES[:size]:
                 fixed.append(Driven(Constraint(label, on, unit_vector(axis, size))))
-            elif axis not in AXES and tie is None:
-                text = f"expected {axis!r} at a body with sides of a sector, found one without"
-                raise CaseError(complaint(case.source, ("supports", name, "fix"), text))
             elif tie is not None and axis not in AXES:
                 around = tie.radial if axis == "radial" else tie.tangential
                 rollers.append(Driven(Constraint(label, on, rest, roller=True, around=around)))

@@ -58,10 +58,20 @@ def test_torques_that_balance_or_that_a_support_carries() -> None:
     on_sector(force(0, 1), supports={"hub": hub})
     with pytest.raises(CaseError, match=r"loads.own0"):
         on_sector(force(0, 1), supports={"hub": {**hub, "fix": ["radial"]}})
-    with pytest.raises(
-        CaseError, match=r"supports.hub.fix: expected 'radial' at a body with sides"
-    ):
-        on_sector(supports={"hub": {"boundary": "pad_left", "fix": ["radial"]}})
+
+
+@pytest.mark.parametrize(
+    ("fix", "named"),
+    [
+        (["radial"], "'radial'"),
+        (["radial", "tangential"], "'radial' and 'tangential'"),
+        (["x", "tangential"], "'tangential'"),
+    ],
+)
+def test_a_body_without_sides_has_no_directions_about_an_axis(fix: list[str], named: str) -> None:
+    with pytest.raises(CaseError) as caught:
+        on_sector(supports={"hub": {"boundary": "pad_left", "fix": fix}})
+    assert f"supports.hub.fix: expected {named} at a body with sides" in str(caught.value)
 
 
 def test_what_a_hub_holds_both_ways_moves_nothing() -> None:
