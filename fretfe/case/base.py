@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
@@ -79,6 +80,15 @@ def positive_number(key: str, value: object) -> float:
     return float(number)
 
 
+# What Python reads besides, 1_0 and nan and digits of other scripts, is a slip of the pen.
+WRITTEN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)(e[+-]?\d+)?", re.ASCII | re.IGNORECASE)
+
+
+def written_number(text: str) -> float:
+    """The number that a text is, like 3, -0.5 or 1e-3; NaN if it is none."""
+    return float(text) if WRITTEN.fullmatch(text) else math.nan
+
+
 Separator = Annotated[
     Literal[",", ";", "tab", "space"] | None,
     Field(
@@ -101,10 +111,7 @@ def require_increasing(name: str, places: Sequence[float], values: Sequence[floa
         ValueError: with the first ones that do not.
     """
     if len(places) != len(values):
-        raise ValueError(
-            f"expected as many values as {name}, found {len(places)} {name} and {len(values)} "
-            "values"
-        )
+        raise ValueError(f"expected as many values as {name}, {len(places)}, found {len(values)}")
     for number, (before, after) in enumerate(pairwise(places), 1):
         if after <= before:
             raise ValueError(

@@ -36,11 +36,7 @@ def assess(
     ] = None,
     life: Annotated[
         float | None,
-        typer.Option(
-            parser=positive,
-            help="Cycles that the tests are asked for.",
-            show_default=False,
-        ),
+        typer.Option(parser=positive, help="Cycles that tests are asked for.", show_default=False),
     ] = None,
     at_least: Annotated[
         float | None,

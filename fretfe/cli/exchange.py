@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fretfe.cli.options import AsJson, Results, TrustGeo, examples, positive
+from fretfe.cli.options import AsJson, Results, TrustGeo, decimal, examples, positive
 from fretfe.environment import rank_from_environment
 from fretfe.errors import CaseError
 from fretfe.files import json_value
@@ -60,7 +60,9 @@ EDGES_EXAMPLES = examples(
 
 def edges(
     table: Annotated[Path, typer.Argument(help="CSV file with a header.", show_default=False)],
-    friction: Annotated[float | None, typer.Option(help="Friction coefficient.")] = None,
+    friction: Annotated[
+        float | None, typer.Option(parser=decimal, help="Friction coefficient.")
+    ] = None,
     x: Annotated[
         str | None, typer.Option(help="Column with the positions along the contact.")
     ] = None,
@@ -267,6 +269,7 @@ def export(
     fatemi_socie: Annotated[
         tuple[float, float] | None,
         typer.Option(
+            parser=decimal,
             metavar="K YIELD",
             help="k and yield stress of Fatemi and Socie; for runs with [output] stress_depths.",
             show_default=False,
@@ -275,6 +278,7 @@ def export(
     depth: Annotated[
         list[float] | None,
         typer.Option(
+            parser=decimal,
             help="Distance from edges and stations at which the history of the stress is written; "
             "can be given several times.",
             show_default=False,
@@ -283,6 +287,7 @@ def export(
     angle: Annotated[
         list[float] | None,
         typer.Option(
+            parser=decimal,
             help="Of these places from the inward normal, -80 to 80 degrees, positive under the "
             "contact; likewise.",
             show_default="0",
@@ -375,9 +380,7 @@ def submodel(
     length: Annotated[
         float | None,
         typer.Option(
-            parser=positive,
-            help="Of the front next to the end.",
-            show_default="2 slip zones",
+            parser=positive, help="Of the front next to the end.", show_default="2 slip zones"
         ),
     ] = None,
     trust_geo: TrustGeo = False,

@@ -274,9 +274,7 @@ def strength(
     ],
     life: Annotated[
         float,
-        typer.Option(
-            parser=positive, help="Cycles that the component has to reach."
-        ),
+        typer.Option(parser=positive, help="Cycles that the component has to reach."),
     ],
     output: Annotated[
         Path | None,

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import CaseFile, Overrides, TrustGeo, examples
+from fretfe.cli.options import CaseFile, Overrides, TrustGeo, count, examples
 from fretfe.environment import idle_cores, rank_from_environment
 from fretfe.report.texts import MISSING, plain_table, print_whole, rounded
 
@@ -38,7 +38,7 @@ def check(
         int | None,
         typer.Option(
             "--ranks",
-            min=1,
+            parser=count,
             metavar="N",
             show_default=False,
             help="Estimate the run on N processes, too; without it on all cores if that pays.",

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-import contextlib
+import re
 from enum import Enum
 from pathlib import Path
 from typing import Annotated
@@ -51,20 +51,41 @@ class Verbosity(Enum):
     VERBOSE = "verbose"
 
 
-def positive(text: str) -> float:
+def decimal(text: str | float) -> float:
+    """Return a number of the command line, or a default, as a case may have it.
+
+    Raises:
+        BadParameter: if it is none, or not within the limits of a case.
+    """
+    from fretfe.case.base import LARGEST, written_number
+
+    if abs(value := written_number(str(text))) <= LARGEST:
+        return value
+    raise typer.BadParameter(f"expected a number like 3, -0.5 or 1e-3, found {text!r}")
+
+
+def positive(text: str | float) -> float:
     """Return a number of the command line, as a case may have it where it has to be > 0.
 
     Raises:
         BadParameter: if it is none, or not within the limits of a case.
     """
-    from fretfe.case.base import LARGEST, SMALLEST
+    from fretfe.case.base import SMALLEST
 
-    with contextlib.suppress(ValueError):
-        if SMALLEST <= (value := float(text)) <= LARGEST:
-            return value
-    raise typer.BadParameter(
-        f"expected a number > 0, from {SMALLEST:g} to {LARGEST:g}, found {text!r}"
-    )
+    if (value := decimal(text)) >= SMALLEST:
+        return value
+    raise typer.BadParameter(f"expected a number > 0, {SMALLEST:g} or more, found {text!r}")
+
+
+def count(text: str | int) -> int:
+    """Return a whole number of the command line, or a default, that is 1 or more.
+
+    Raises:
+        BadParameter: if it is none.
+    """
+    if re.fullmatch("0*[1-9][0-9]*", str(text)):
+        return int(text)
+    raise typer.BadParameter(f"expected a whole number of 1 or more, found {text!r}")
 
 
 def verbosity_of(quiet: bool, verbose: bool) -> Verbosity:

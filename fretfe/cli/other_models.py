@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fretfe.cli.options import AsJson, Results, examples, positive
+from fretfe.cli.options import AsJson, Results, decimal, examples, positive
 from fretfe.environment import rank_from_environment
 from fretfe.files import json_value
 from fretfe.report.texts import number, percent, plain_table, print_whole
@@ -92,14 +92,12 @@ def forces(
         str | None, typer.Option(help="Contact, if there are several.", show_default=False)
     ] = None,
     time: Annotated[
-        float | None, typer.Option(help="Time of a state.", show_default="the last one")
+        float | None,
+        typer.Option(parser=decimal, help="Time of a state.", show_default="the last one"),
     ] = None,
     factor: Annotated[
         float,
-        typer.Option(
-            parser=positive,
-            help="Length unit of the model, in that of the results.",
-        ),
+        typer.Option(parser=positive, help="Length unit of the model, in that of the results."),
     ] = 1.0,
 ) -> None:
     """Write contact tractions as forces at the nodes of another model.

@@ -24,6 +24,7 @@ from fretfe.cli.options import (
     TrustGeo,
     Verbose,
     Verbosity,
+    count,
     examples,
     verbosity_of,
 )
@@ -82,7 +83,7 @@ def run(
     verbose: Verbose = False,
     trust_geo: TrustGeo = False,
     ranks: Annotated[
-        int, typer.Option(min=1, help="Processes to run on; starts the right mpirun.")
+        int, typer.Option(parser=count, help="Processes to run on; starts the right mpirun.")
     ] = 1,
 ) -> None:
     """Solve a case and write its results."""

@@ -23,6 +23,7 @@ from fretfe.backends.protocol import Session
 from fretfe.bodies.input_files import input_digests
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case, Units, changed, parse_assignments
+from fretfe.case.base import written_number
 from fretfe.case.overrides import parse_value, split_assignment, with_overrides
 from fretfe.case.toml_file import plain_value, read_tables
 from fretfe.caution import Caution
@@ -104,12 +105,9 @@ def _values(key: str, text: str) -> tuple[Any, ...]:
 
 def _spaced(key: str, text: str) -> tuple[Any, ...]:
     parts = text.split(":")
-    try:
-        start, stop, count = float(parts[0]), float(parts[1]), int(parts[2])
-        valid = len(parts) == 3 and count >= 2 and math.isfinite(start) and math.isfinite(stop)
-    except (ValueError, IndexError):
-        valid = False
-    if not valid:
+    start, stop, number = (*map(written_number, parts), math.nan, math.nan)[:3]
+    count = int(number) if number.is_integer() else 0
+    if not (len(parts) == 3 and count >= 2 and math.isfinite(start) and math.isfinite(stop)):
         raise CaseError(
             f"{OPTION} {key}: expected START:STOP:COUNT, two numbers and a count of 2 or more, "
             f"found {text!r}"

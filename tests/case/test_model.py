@@ -367,7 +367,7 @@ SEGMENTS = {
     "hold-false": ({"hold": False, "until": 1}, ".hold: expected true, found false"),
     "misspelt": ({"rmap": 1, "until": 1}, ": expected one of the keys 'ramp', 'hold'"),
     "mixed": ({"ramp": 1, "until": 1, "steps": 1, "hold": True}, ".hold: unknown key"),
-    "lengths": ({"times": [1, 2], "values": [1]}, ": expected as many values as times, found 2"),
+    "lengths": ({"times": [1, 2], "values": [1]}, ": expected as many values as times, 2, found 1"),
     "order": ({"times": [1, 1], "values": [0, 1]}, ": expected strictly increasing times"),
     "number": (3, ": expected a table, found 3"),
 }

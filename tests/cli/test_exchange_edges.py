@@ -122,7 +122,6 @@ ROWS = "\n".join(f"{i},1,0" for i in range(20))
         ("x,p\n0,-1\n1,-2\n", [], "is compression negative in this file?"),
         (f"x,p,q\n{ROWS}", ["--slip", "s"], "line 1: expected one column 's'"),
         (f"x,p,q\n{ROWS}", ["--friction", "-1"], "friction must lie in (0, inf), found -1"),
-        (f"x,p,q\n{ROWS}", ["--friction", "inf"], "friction must be finite, found inf"),
         (f"x,p,q\n{ROWS}", ["--q", ""], "expected the name of a column with --q, found an empty"),
         (f"x,p,q\n{ROWS}", ["--q", "p"], "'p': expected one quantity in it, found it taken for p"),
         (f"x,p,q\n{ROWS}", ["--slip", "q"], "found it taken for q and for slip"),
