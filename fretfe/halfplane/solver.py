@@ -9,6 +9,7 @@ displacements; between similar ones the pressure bounds the shear, and that is a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -16,10 +17,10 @@ from fretfe._typing import Array
 from fretfe.analytic.edges import sliding_exponent
 from fretfe.contact.full_stick import FRACTION, neighbour_states
 from fretfe.contact.interface import Coordinate, DenseCompliance, Interface, Place, add_layers
-from fretfe.contact.march import March
+from fretfe.contact.march import March, StepResult
 from fretfe.contact.recorder import Recorder
 from fretfe.contact.solve import Progress, solve_history
-from fretfe.contact.state import StepTable
+from fretfe.contact.state import ContactState, StepLoads, StepTable, certify, unloaded
 from fretfe.errors import ConvergenceError
 from fretfe.evaluate.increments import UnitFactors
 from fretfe.evaluate.loaded import moving_state
@@ -45,6 +46,23 @@ SPRING = 1e-9
 MOMENT = "moment"
 COORDINATES = ("shear", "normal", MOMENT)
 TENSION = "tension"
+
+
+class PartingMarch(March):
+    """March of half-planes, which are in place again where nothing loads them.
+
+    No load then finds a resistance, and wherever bodies part they are in equilibrium.
+    """
+
+    def advance(
+        self, state: ContactState, start: StepLoads, end: StepLoads, *rest: Any, **named: Any
+    ) -> StepResult:
+        """Go from one load to the next, as of `March.advance`."""
+        if end.values.any() or end.amplitudes.any():
+            return super().advance(state, start, end, *rest, **named)
+        parted, none = unloaded(self.interface), np.zeros(self.interface.size)
+        certificate = certify(self.interface, end, parted, state.relative[:, 1:])
+        return StepResult(parted, none, 1, 1, 0, certificate, end.friction)
 
 
 @dataclass(frozen=True)
@@ -130,11 +148,11 @@ def edge_shift(problem: HalfPlaneProblem) -> float:
 def contact_grid(problem: HalfPlaneProblem, elements: int = ELEMENTS) -> Array:
     """(elements + 1,) nodes over all that ever is in contact, graded to the edges in the cycle.
 
-    Without a cycle, to the edges in the last state.
+    Without a cycle, to the edges in the last state in which there are some.
     """
     contact = contact_edges(problem)
     states = cycle_states(problem.history.cycle)
-    states = states if len(states) else np.array([-1])
+    states = states if len(states) else np.flatnonzero(np.isfinite(contact.left))[-1:]
     states = states[np.isfinite(contact.left[states])]  # the bodies may part in the cycle
     half_width = float(np.min(contact.right[states] - contact.left[states]) / 2)
     length = governing_length(problem, half_width)
@@ -172,7 +190,7 @@ def solve_half_planes(
     hats = HatFunctions(contact_grid(problem, elements))
     interface = build_interface(problem, hats)
     steps = _step_loads(problem, interface)
-    march = March(interface)
+    march = PartingMarch(interface)
     surface = _surface(problem, hats)
     place = Place(problem.contact, problem.body1, problem.body2, surface, hats.averaging())
     recorder = Recorder(march, [place], steps, [TENSION], degree=1, storage=storage)
@@ -220,11 +238,10 @@ def _step_loads(problem: HalfPlaneProblem, interface: Interface) -> StepTable:
 
 def _surface(problem: HalfPlaneProblem, hats: HatFunctions) -> ContactSurface:
     x = hats.nodes
-    frame = np.array([[0.0, 1.0], [1.0, 0.0]])
     return ContactSurface(
         arc=x,
         points=np.column_stack([x, np.zeros_like(x)]),
-        frames=np.broadcast_to(frame, (len(x), 2, 2)),
+        frames=np.broadcast_to(np.array([[0.0, 1.0], [1.0, 0.0]]), (len(x), 2, 2)),
         weights=hats.weights,
         dundurs=problem.dundurs,
         layer=np.array(problem.layer) * problem.profile.e_star if any(problem.layer) else None,

@@ -116,13 +116,14 @@ class HalfPlaneProblem:
         """
         title = f"contact {self.contact!r}: half-planes have no solution for these loads:\n  "
         loaded, times = self.history.times > 0, self.history.times
-        opened = np.flatnonzero(loaded & (self.normal_force <= 0))
+        pressed = bool((self.normal_force > 0).any())
+        opened = np.flatnonzero(loaded & ((self.normal_force < 0) | (not pressed)))
         if opened.size:
-            kind = ConvergenceError if (self.normal_force > 0).any() else ModelError
-            raise kind(
-                f"{title}expected a normal force P > 0 in every step, found "
-                f"{self.normal_force[opened[0]]:g} at time {times[opened[0]]:g}: the contact is "
-                "open"
+            wanted = ">= 0 in every step" if pressed else "> 0 in some step"
+            raise (ConvergenceError if pressed else ModelError)(
+                f"{title}expected a normal force P {wanted}, found "
+                f"{self.normal_force[opened[0]]:g} at time {times[opened[0]]:g}: nothing holds "
+                "the bodies together"
             )
         limit = self.friction * self.normal_force
         sliding = np.flatnonzero(loaded & (np.abs(self.shear_force) >= limit) & self.sheared)
@@ -143,7 +144,8 @@ def left_out_by_stretch(problem: HalfPlaneProblem) -> tuple[float, float]:
     """Range of K_T by `HalfPlaneProblem.stretch`, and by how much slip zones change with it.
 
     P matters as far as it varies while there is friction: in the cycle, or until the end without
-    one. The lengths are those of (8') or (9) of the theory guide, with K_N of the last state.
+    one. The lengths are those of (8') or (9) of the theory guide, with K_N of the last state, or
+    of the largest P if nothing presses in that.
     """
     cycle, friction = problem.history.cycle, problem.friction
     if not friction.any():
@@ -151,9 +153,10 @@ def left_out_by_stretch(problem: HalfPlaneProblem) -> tuple[float, float]:
     begin, last = cycle or (max(int(np.argmax(friction > 0)) - 1, 0), len(friction) - 1)
     if not friction[last] > 0:
         return 0.0, 0.0
-    edges = contact_edges(problem)
+    edges, force = contact_edges(problem), problem.normal_force[begin : last + 1]
+    change = abs(problem.stretch) * float(np.ptp(force))
+    last = last if force[-1] > 0 else begin + int(np.argmax(force))
     a = float(edges.right[last] - edges.left[last]) / 2
-    change = abs(problem.stretch) * float(np.ptp(problem.normal_force[begin : last + 1]))
     k_t, k_n = change / 4 * math.sqrt(a / 2), min(edges.k_n_left[last], edges.k_n_right[last])
     return k_t, (1 if cycle else 2) * k_t / float(friction[last] * k_n)
 

@@ -142,7 +142,7 @@ MISTAKES = {
         5,
         ["expected |Q| < f P", "Q = 300", "f P = 240", "at time 1.25"],
     ),
-    "opening": (("ramp = -600", "ramp = 600"), 4, ["P > 0", "-150", "at time 0.25", "open"]),
+    "opening": (("ramp = -600", "ramp = 600"), 4, ["P > 0", "-150", "time 0.25", "holds"]),
     "prescribed approach": (('"force"', '"displacement"'), 2, ["loads.press", "'displacement'"]),
 }
 

@@ -280,7 +280,7 @@ REASONS: dict[str, tuple[dict[str, Any], str]] = {
     ),
     "open": (
         {"loads": {"press": press(-600.0), "shear": shear()}},
-        "expected a normal force P > 0 in every step, found -150 at time 0.25",
+        "expected a normal force P > 0 in some step, found -150 at time 0.25",
     ),
 }
 
@@ -304,12 +304,13 @@ def test_friction_that_is_never_there_carries_no_shear() -> None:
 
 
 @pytest.mark.parametrize(
-    ("force", "kind"), [(-600.0, ModelError), (0.0, ModelError), (600.0, ConvergenceError)]
+    ("force", "last", "kind"),
+    [(-600.0, 0.0, ModelError), (0.0, 0.0, ModelError), (600.0, 150.0, ConvergenceError)],
 )
 def test_half_planes_that_are_pressed_once_and_those_that_never_are(
-    force: float, kind: type[FretfeError]
+    force: float, last: float, kind: type[FretfeError]
 ) -> None:
-    history = [*press(force)["history"], {"ramp": 0.0, "until": 2.0, "steps": 1}]
+    history = [*press(force)["history"], {"ramp": last, "until": 2.0, "steps": 1}]
     with pytest.raises(kind, match=r"found (0|-150) at time") as raised:
         idealise(parse_case(pad(loads={"press": {**press(), "history": history}})))
     assert "-0 at" not in str(raised.value)
