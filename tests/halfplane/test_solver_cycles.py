@@ -281,7 +281,7 @@ def test_shear_factor_counts_both_loads() -> None:
 
 
 def test_speed() -> None:
-    """60 steps with 300 elements take 3 times what 60 inverses of 400 equations do, here 6 at most."""
+    """60 steps with 300 elements take 3 times as long as 60 inverses of order 400, at most 6."""
     given = problem(LOAD, started(0.3 * LIMIT * np.cos(loop(60, 1))), cycle=60)
     matrix = np.random.default_rng(0).normal(size=(400, 400))
 
