@@ -486,7 +486,7 @@ HALF_PLANES = {
     ),
     "pulled": (
         ModelError,
-        "the contact is open",
+        "found -300 at time 0.5: nothing holds the bodies together",
         {"loads.press.history": [{**PRESS, "ramp": 600.0}]},
     ),
     "other-unit": (

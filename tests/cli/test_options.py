@@ -43,7 +43,7 @@ NUMBERS = {
     "export --angle": ("run", "-o", "f", "--angle"),
     "export --fatemi-socie": ("run", "-o", "f", "--fatemi-socie", "1"),
     "forces --time": ("run", "a.inp", "S", "--body", "b", "-o", "f", "--time"),
-    "sweep --vary": ("c.toml", "-o", "f", "--vary"),
+    "sweep --vary": ("c.toml", "-o", "f", "--backend", "halfplane", "--vary"),
 }
 
 

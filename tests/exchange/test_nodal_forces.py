@@ -286,7 +286,7 @@ def test_what_cannot_be_written(tmp_path: Path) -> None:
         words = ["forces", str(tmp_path), str(tmp_path), "top", "--body", "lower"]
         found = CliRunner().invoke(app, [*words, "--factor", value])
         assert found.exit_code == 2
-        assert "'--factor': expected a number > 0" in " ".join(found.output.split())
+        assert "'--factor': expected a number" in " ".join(found.output.split())
     message = forces_refused(tmp_path, text, "--body", "lower", "--factor", "0.1")
     assert "model.inp: top: expected a surface within" in message
     message = forces_refused(tmp_path, text.replace("TOP", "HEAD"), "--body", "lower")

@@ -134,7 +134,7 @@ def test_a_table_covers_the_surface(tmp_path: Path, text: str, points: Any, expe
         (-0.1, "friction: expected a number >= 0, found -0.1"),
         ("rough", "friction: expected a number, found text 'rough'"),
         ({"time": [0, 1], "values": [0, 1]}, "did you mean 'times'"),
-        ({"times": [0, 1], "values": [0.1]}, "found 2 times and 1 values"),
+        ({"times": [0, 1], "values": [0.1]}, "expected as many values as times, 2, found 1"),
         ({"arc": [0, 0], "values": [0.1, 0.2]}, "found 0 followed by 0 (items 1 and 2)"),
         ({"arc": [0, 1], "values": [0.1, -0.2]}, "values[item 2]: expected a number >= 0"),
         (

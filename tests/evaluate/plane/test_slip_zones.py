@@ -327,8 +327,9 @@ def test_bodies_that_have_parted_are_told() -> None:
     )
     times = np.arange(float(STATES))
     solution = SimpleNamespace(
-        cycle=(2, 3), choice=None, degree=2, step=None, times=times, values=times[:, None]
-    )
+        cycle=(2, 3), choice=None, degree=2, step=None, times=times, values=times[:, None],
+        loads=SimpleNamespace(open_channels=()),
+    )  # fmt: skip
     told, *_ = plane_warnings(solution, parted, (), [np.nan], slides=False)  # type: ignore[arg-type]
     assert told.kind is Kind.PARTED
     assert "do not touch in the evaluated cycle, though they did before: the contact" in told.text
