@@ -19,6 +19,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -129,15 +130,10 @@ class EdgeMemory:
     def refined(self, path: LoadPath) -> EdgeMemory:
         """The same under the loads within the steps of the cycle; states are instants of that."""
         station, friction = self.station, path.repeated(self.friction)
-        station = replace(
-            station,
-            hold=path.refined(station.hold),
-            shear=path.refined(station.shear),
-            unit=path.refined(station.unit),
-            k_n=path.refined(station.k_n),
-            slid=path.repeated(station.slid),
-        )
-        last, begin = len(friction) - 1, path.instant(self.begin)
+        names = ("position", "hold", "shear", "unit", "k_n")
+        fine: dict[str, Any] = {name: path.refined(getattr(station, name)) for name in names}
+        fine |= {"slid": path.repeated(station.slid), "last": path.instant(station.last)}
+        station, last, begin = replace(station, **fine), len(friction) - 1, path.instant(self.begin)
         return replace(self, station=station, friction=friction, begin=begin, last=last)
 
     @cached_property

@@ -70,7 +70,7 @@ def test_files_keep_the_coefficients(coated: Result, tmp_path: Path) -> None:
 
 
 def test_what_sticks_may_have_any_friction() -> None:
-    history = [{"ramp": 60.0, "until": 2.0, "steps": 2}]
+    history = [{"ramp": 40.0, "until": 2.0, "steps": 2}]
     one, other = solved(0.3, history=history), solved(COATED, history=history)
     for mine, theirs in zip(one.contacts[0].stations, other.contacts[0].stations, strict=True):
         assert mine.slip_zones[-1].length == pytest.approx(theirs.slip_zones[-1].length, rel=1e-9)
