@@ -24,7 +24,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.contacts import ROUND_OFF, StationHistory
+from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
 from fretfe.evaluate.load_path import LoadPath
 
@@ -182,25 +182,9 @@ class EdgeMemory:
         return follow(station, self.friction[: self.last + 1], self.begin, at_once=at_once)
 
     @cached_property
-    def way(self) -> Array:
-        """(T,) of the slip in the step to each state: 1 forward, -1 backward, 0 without."""
-        return np.where(self.taken > 0, self.slip.way, 0.0)
-
-    @cached_property
-    def front(self) -> Array:
-        """(T,) hold of the place that it comes to; NaN without."""
-        return np.where(self.taken > 0, self.slip.front, math.nan)
-
-    @cached_property
     def of_nodes(self) -> Slip:
         """The slip if places are covered as steps begin, as nodes close in the solved ones."""
         return self._followed(at_once=True)
-
-    @cached_property
-    def taken(self) -> Array:
-        """(T,) shear that slip takes in the step to each state; none where that is round-off."""
-        taken = np.bincount(self.slip.states, self.slip.slices[:, 2], self.last + 1)
-        return np.where(taken > ROUND_OFF * taken.max(initial=0.0), taken, 0.0)
 
     def length(self, state: int, front: float) -> float:
         """Length from the edge in a state to the place of another hold; NaN if that is not known.
@@ -232,9 +216,9 @@ class EdgeMemory:
         An edge may stick in between. It slips the same way twice if it has covered new places
         meanwhile, on which slip does not come to that before.
         """
-        taken, f_hold = self.taken, self.friction.max() * np.nanmax(self.hold)
+        taken, f_hold = self.slip.taken, self.friction.max() * np.nanmax(self.hold)
         least = max(TOLERANCE * float(taken.max(initial=0.0)), UNDRIVEN * float(f_hold))
-        ways, fronts, hold = self.way.astype(int), self.front, self.hold
+        ways, fronts, hold = self.slip.way.astype(int), self.slip.front, self.hold
         apart = np.cumsum(hold[: len(ways)] <= 0)  # what was before is forgotten
         phases: list[tuple[int, int]] = []
         along = against = 0.0
@@ -264,7 +248,7 @@ class EdgeMemory:
         phases = self._phases
         if not phases:
             return ()
-        slips = np.flatnonzero((self.way == phases[0][1]) & (self.taken > 0))
+        slips = np.flatnonzero((self.slip.way == phases[0][1]) & (self.slip.taken > 0))
         starts = [int(slips[0]) - 1, *(end for end, _ in phases[:-1])]
         return tuple(
             self._half(start, turn, way) for start, (turn, way) in zip(starts, phases, strict=True)
@@ -284,7 +268,7 @@ class EdgeMemory:
     def _once(self, half: HalfCycle) -> bool:
         """True if the inner end of a zone has not slipped back before, and the edge stays then."""
         since, inner = self._since(half), self._inner(half)
-        slipped = self.way[since] == -half.way and self.front[since] <= inner
+        slipped = self.slip.way[since] == -half.way and self.slip.front[since] <= inner
         moved = float(np.ptp(self.hold[half.start : self.last + 1]))
         return not slipped and moved <= inner - half.front
 
@@ -360,7 +344,7 @@ class EdgeMemory:
     def _since(self, half: HalfCycle) -> int:
         """Last state before a half cycle in which its inner end was covered, or slipped back."""
         inner, before = self._inner(half), np.arange(self.begin, half.start + 1)
-        slipped = (self.way[before] == -half.way) & (self.front[before] <= inner)
+        slipped = (self.slip.way[before] == -half.way) & (self.slip.front[before] <= inner)
         there = np.flatnonzero((self.hold[before] <= inner) | slipped)
         return int(before[there[-1]]) if len(there) else self.begin
 
@@ -373,7 +357,7 @@ class EdgeMemory:
         counts, within = np.zeros((2, len(self.friction)), dtype=bool)
         for half in halves:
             steps = slice(half.start + 1, half.end + 1)
-            fronts = np.where(self.way[steps] == half.way, self.front[steps], math.inf)
+            fronts = np.where(self.slip.way[steps] == half.way, self.slip.front[steps], math.inf)
             before = np.append(math.inf, np.minimum.accumulate(fronts)[:-1])
             counts[steps] |= (fronts < before) | (fronts <= 0)
             within[steps] = True
@@ -401,7 +385,7 @@ class EdgeMemory:
         """State of a half cycle before which nothing slips."""
         if not half.way:
             return half.start
-        inside = self.way[half.start + 1 : half.end + 1] == half.way
+        inside = self.slip.way[half.start + 1 : half.end + 1] == half.way
         return half.start + int(np.argmax(inside))
 
     def softens(self, start: int, end: int) -> bool:
@@ -423,8 +407,8 @@ class EdgeMemory:
     def _half(self, start: int, turn: int, way: int) -> HalfCycle:
         """A half cycle with the state in which its zone is told."""
         states = np.arange(start + 1, turn + 1)
-        states = states[(self.way[states] == way) & (self.taken[states] > 0)]
-        fronts = np.minimum.accumulate(self.front[states])
+        states = states[(self.slip.way[states] == way) & (self.slip.taken[states] > 0)]
+        fronts = np.minimum.accumulate(self.slip.front[states])
         pairs = zip(states.tolist(), fronts.tolist(), strict=True)
         ranks = np.array([_rank(self.length(*each)) for each in pairs])
         # In the state of the deepest place, unless the edge has left most of its zone behind then.
@@ -440,7 +424,7 @@ class EdgeMemory:
         """True if what has been locked in up to a place until a state is known: all has slipped."""
         if front >= self.unknown:
             return True
-        slipped = self.front[self.begin : state + 1]
+        slipped = self.slip.front[self.begin : state + 1]
         deepest = float(np.nanmin(slipped)) if np.isfinite(slipped).any() else math.inf
         return front >= deepest - BEHIND * (self.unknown - deepest)
 

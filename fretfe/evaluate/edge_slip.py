@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -77,6 +77,17 @@ class Slip:
     locked: Array
     behind: float
 
+    @cached_property
+    def taken(self) -> Array:
+        """(T,) shear that slip takes in the step to each state."""
+        return np.bincount(self.states, self.slices[:, 2], len(self.way))
+
+    def where(self, counts: Bools) -> Slip:
+        """The slip in steps to some states (T,)."""
+        way, front = np.where(counts, self.way, 0.0), np.where(counts, self.front, math.nan)
+        own = counts[self.states]
+        return replace(self, way=way, front=front, states=self.states[own], slices=self.slices[own])
+
     def between(self, start: int, end: int, way: int, outer: Bools | None = None) -> Pieces:
         """Places that slip one way takes between two states.
 
@@ -112,7 +123,8 @@ def follow(station: StationHistory, friction: Array, begin: int, *, at_once: boo
     )
     found = _kernels.follow_edge(hold, shear, friction, slid, begin, at_once)
     # What drivers leave over may close a loop, or not.
-    return Slip(hold, *found, behind=max(BEHIND, station.loose))
+    slip = Slip(hold, *found, behind=max(BEHIND, station.loose))
+    return slip.where(slip.taken > ROUND_OFF * slip.taken.max(initial=0.0))
 
 
 @dataclass(frozen=True)

@@ -28,8 +28,8 @@ class FrictionBehind:
     """Coefficient behind an edge over that at the edge, in one state.
 
     Attributes:
-        place: (n,) inward, counted as positions of the edge are; increasing. None if it is the same
-            at all of them.
+        place: (n,) inward, counted as positions of the edge are; increasing. Empty if it is the
+            same at all of them.
         share: (n,) coefficient there over that at the edge.
     """
 
