@@ -328,7 +328,6 @@ class _March:
         self._stiffness: Stiffness = bodies.stiffness(histories.tangential)
         self._shapes = pressure_shapes(histories.contacts.power)
         self._outermost = histories.outermost
-        self._friction = histories.coefficients(bodies.s)
         edges, nodes = len(histories.k), len(bodies.s)
         self._shear = np.zeros((edges, nodes, 2))
         self._bound, self._pressure = np.zeros((2, edges, nodes))
@@ -338,6 +337,8 @@ class _March:
         self._slip = np.zeros((2, edges, nodes))  # forward and backward in the half cycle
         self._work = np.zeros(edges)
         self._lost = np.zeros(edges, dtype=bool)
+        # Which edges are given up changes on the way.
+        self._limit = Bound(histories.coefficients(bodies.s), self._lost)
         self._reasons = np.full(edges, SLIDES, dtype=object)
         self._drift, self._swing = self._drifts()
         self._profiles: list[dict[int, SlipProfile]] = [{} for _ in histories.halves]
@@ -415,7 +416,7 @@ class _March:
         width = self._widths(state, end)
         level = self._given.contacts.level(width) / given.modulus
         pressure = bodies.pressure(self._shapes, width / self._outermost) * level[:, None]
-        bounds = (self._friction * pressure).max(axis=1)
+        bounds = (self._limit.friction * pressure).max(axis=1)
         tolerance = TOLERANCE * float(bounds[~self._lost].max())
         if isinstance(bodies, WholeHalfPlanes):
             contacts = UnlikeContacts.of(
@@ -427,9 +428,9 @@ class _March:
                 width / self._outermost,
             )
             pressure, solved = self._coupled(contacts, pressure, stuck, tolerance)
-            bound = Bound(self._friction, self._lost).of(pressure)
+            bound = self._limit.of(pressure)
         else:
-            bound = Bound(self._friction, self._lost).of(pressure)
+            bound = self._limit.of(pressure)
             solved = partial_slip(self._stiffness, bound, stuck, self._slipping, tolerance)
         self._lost[solved.unsolved] = True
         slip = np.where((bound > tolerance)[..., None], solved.slip, 0.0)
@@ -452,8 +453,7 @@ class _March:
             middle = np.zeros(len(pressure))
             self._pressed = Pressed(pressure, contacts.half_width, middle)
         before = Before(self._pressed, self._slipping, self._shear)
-        bound = Bound(self._friction, self._lost)
-        found = coupled_slip(contacts, self._stiffness, bound, stuck, before, tolerance)
+        found = coupled_slip(contacts, self._stiffness, self._limit, stuck, before, tolerance)
         self._reasons[np.setdiff1d(found.unsettled, found.slipped.unsolved)] = UNSETTLED
         self._lost[found.unsettled] = True
         self._pressed = found.pressed
