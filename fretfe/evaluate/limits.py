@@ -208,8 +208,8 @@ def friction_limits(
             near = np.asarray(history.status[last] != OPEN)
         if station.friction > 0 and near.any():
             over_time = float(np.ptp(fields[:, near], axis=0).max()) / station.friction
-            behind, way = station.friction_behind, station.inward * station.position[first:]
-            way = way[np.isfinite(way)]
+            behind, position = station.friction_behind, station.position[first : last + 1]
+            way = station.inward * position[np.isfinite(position)]
             moved = float(np.ptp(behind.at(way))) / 2 if behind.varies else 0.0
             changes.append(over_time + moved)
     yield ModelLimit(
