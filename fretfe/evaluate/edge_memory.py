@@ -99,7 +99,7 @@ class EdgeMemory:
         friction: Array,
         last: int,
         stiffening: float = math.nan,
-        reach: float = math.nan,
+        half_width: float = math.nan,
     ) -> EdgeMemory | None:
         """Follow an edge; None where its factors are not known, or there is no friction.
 
@@ -108,7 +108,7 @@ class EdgeMemory:
             friction: (T,) coefficient in the step that ends at each state.
             last: state up to which it is followed.
             stiffening: relative growth of dP/da with the half-width.
-            reach: half-width of the contact at the first known place, if places are exact.
+            half_width: of the contact in the state `last` of the station, if places are exact.
         """
         inside = slice(0, last + 1)
         hold, shear = station.hold[inside], station.shear[inside]
@@ -117,11 +117,12 @@ class EdgeMemory:
         begin = max(int(lost[-1]) + 1 if len(lost) else 0, int(np.argmax(friction > 0)) - 1)
         if begin >= last or not friction[begin + 1 : last + 1].any():
             return None
+        exact = math.isfinite(half_width)
         return cls(
             station=station,
             friction=friction,
             stiffening=stiffening,
-            places=places_of(station, reach, begin, last) if math.isfinite(reach) else None,
+            places=places_of(station, half_width, last) if exact else None,
             begin=begin,
             last=last,
             rubbed=bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0,

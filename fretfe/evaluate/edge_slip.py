@@ -170,8 +170,8 @@ class Pieces:
         return float(low[faint[-1] + 1] if len(faint) else low[0])
 
 
-def places_of(station: StationHistory, reach: float, begin: int, last: int) -> Places:
-    """Places of an edge by all states from one on."""
+def places_of(station: StationHistory, half_width: float, last: int) -> Places:
+    """Places of an edge by all states up to one, with the half-width in that of the station."""
     states = np.arange(last + 1)
     known = np.isfinite(station.position[states] + station.k_n[states]) & (station.hold[states] > 0)
     states = states[known]
@@ -180,4 +180,6 @@ def places_of(station: StationHistory, reach: float, begin: int, last: int) -> P
     apart = np.diff(hold, prepend=-math.inf) > TOLERANCE * float(hold.max(initial=0.0))
     states = states[apart]
     slope = -2 * station.unit[states] / station.k_n[states]
-    return Places(hold[apart], station.inward * station.position[states], slope, reach)
+    depth = station.inward * station.position[states]
+    reach = half_width + station.inward * float(station.position[station.last]) - float(depth[0])
+    return Places(hold[apart], depth, slope, reach)

@@ -85,6 +85,7 @@ FOLLOWED: dict[str, tuple[list[float], list[float], list[float], list[int], list
     "in proportion": (
         [0, 1, 1, 1, 1], [0, 0.15, 0.25, 0.05, 0.25], [], [1, -1, 1], [5 / 7, 0.8, 0.8]
     ),
+    "farther in than any known place": ([0, 0.3, 1, 1], [0, 0, 0, 0.45], [], [1], [0.1]),
     "opened": ([0, 1, 1, 0, 1, 1], [0, 0, 0.2, 0, 0, 0.2], [], [1, 1], [0.6, 0.6]),
     "f falls": ([0, 1, 1, 1, 1], [0, 0, 0.15, 0.15, 0.15], [0, 0.5, 0.5, 0.4, 0.2], [1], [0.25]),
     "f rises": (
@@ -116,8 +117,7 @@ def cylinder(
         unit=unit, slid=zero, friction_behind=behind or FrictionBehind(),
     )  # fmt: skip
     coefficient = np.array(friction) if friction else np.full(len(load), 0.5)
-    reach = float(a[np.flatnonzero(load)[0]])
-    found = EdgeMemory.of(history, coefficient, len(load) - 1, reach=reach)
+    found = EdgeMemory.of(history, coefficient, len(load) - 1, half_width=float(a[-1]))
     assert found is not None
     return found
 

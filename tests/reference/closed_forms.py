@@ -311,8 +311,8 @@ def _station(
     ends = np.arange(len(position))
     state = decisive_state(problem.normal_force, history.k_t, cycle, ends)
     history = replace(history, decisive=state)
-    reach = float((contact.right - contact.left)[last] / 2)
-    memory = EdgeMemory.of(history, problem.friction, last_state(cycle, history), reach=reach)
+    a, end = float((contact.right - contact.left)[last] / 2), last_state(cycle, history)
+    memory = EdgeMemory.of(history, problem.friction, end, half_width=a)
     zones: tuple[SlipZone, ...] = ()
     if memory is not None:
         halves = half_cycles(cycle, memory, cycles.irregular, False)
