@@ -3,8 +3,7 @@
 
 from __future__ import annotations
 
-import contextlib
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +14,7 @@ from scipy.sparse.csgraph import connected_components
 from fretfe._typing import Array, Indices
 from fretfe.errors import CaseError
 from fretfe.fields.field import ONLY_STEP, Cells, Field, Names, Quantity
+from fretfe.fields.older_vtk import errors_of_vtk
 from fretfe.results.tables import require
 
 # Names among the values at nodes that programs write, in small letters, and their components.
@@ -34,8 +34,6 @@ INSIDE = 1e-9
 NEWTON_STEPS = 2
 # Nodes of the largest elements that VTK knows, and more.
 MOST_NODES = 512
-# Words of an error of VTK that are told: those before say where in its code it was found.
-TOLD = 30
 # Files of which errors of VTK do no harm, such as NaN in the range of an array: what they state has
 # been compared with what they have.
 IN_XML = (".vtu", ".pvd")
@@ -62,7 +60,7 @@ def read_grid(path: Path, quantity: Quantity, arrays: Names) -> tuple[Array, Cal
 
     def read(step: int) -> Grid:
         try:
-            with _errors() as told:
+            with errors_of_vtk() as told:
                 set_step(step)
                 grid = reader.read()
                 if isinstance(grid, pyvista.MultiBlock):
@@ -83,27 +81,6 @@ def read_grid(path: Path, quantity: Quantity, arrays: Names) -> tuple[Array, Cal
         return np.array(grid.points, dtype=float), cells, _values(path, grid, quantity, arrays)
 
     return times, read
-
-
-@contextlib.contextmanager
-def _errors() -> Iterator[list[str]]:
-    """Errors that VTK tells meanwhile, in one line each: it raises none."""
-    from vtkmodules.util.misc import calldata_type
-    from vtkmodules.util.vtkConstants import VTK_STRING
-    from vtkmodules.vtkCommonCore import vtkOutputWindow
-
-    told: list[str] = []
-
-    @calldata_type(VTK_STRING)
-    def note(_window: Any, _event: str, text: str) -> None:
-        told.append(" ".join(text.split()[-TOLD:]))
-
-    window: Any = vtkOutputWindow.GetInstance()
-    number = window.AddObserver("ErrorEvent", note)
-    try:
-        yield told
-    finally:
-        window.RemoveObserver(number)
 
 
 def _steps(reader: Any) -> tuple[Array, Callable[[int], None]]:
