@@ -36,7 +36,6 @@ from fretfe.report.plotting import (
     withStroke,
 )
 from fretfe.report.texts import RAISED
-from fretfe.report.ticks import draw_ticks
 
 BLUE = "#0072B2"
 VERMILLION = "#D55E00"
@@ -99,6 +98,7 @@ STYLE: Any = {
     "figure.titlesize": HEADING,
     "xtick.labelsize": 8.5,
     "xtick.major.width": 0.7,
+    "ytick.labelsize": 8.5,
     "ytick.major.width": 0.7,
     "legend.frameon": False,
     "legend.fontsize": SMALL_TEXT,
@@ -183,7 +183,7 @@ def make_figure(width: float, height: float, draw: Callable[[Figure], None]) -> 
         draw(figure)
         for axes in figure.axes:
             _finish(axes)
-        draw_ticks(figure)
+        figure.align_labels()
     return figure
 
 

@@ -39,11 +39,8 @@ def whole_plots() -> Iterator[None]:
 
 
 def tick_numbers(axes: Axes, which: str) -> list[str]:
-    """Numbers at the ticks of an axis, "x" or "y", which are texts below or left of the axes."""
-    side = {"x": axes.get_xaxis_text1_transform, "y": axes.get_yaxis_text1_transform}[which]
-    _, vertical, horizontal = side(0.0)
-    return [
-        each.get_text()
-        for each in axes.texts
-        if (each.get_verticalalignment(), each.get_horizontalalignment()) == (vertical, horizontal)
-    ]
+    """Numbers at the ticks of an axis, "x" or "y", of a figure that was drawn."""
+    axis = getattr(axes, f"{which}axis")
+    low, high = sorted(axis.get_view_interval())
+    ticks = (each for each in axis.get_major_ticks() if low <= each.get_loc() <= high)
+    return [each.label1.get_text() for each in ticks if each.label1.get_visible()]

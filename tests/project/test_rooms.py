@@ -42,7 +42,7 @@ ROOM_LINES = {
     "materials": 237,
     "mesh": 5767,
     "quality": 2212,
-    "report": 4473,
+    "report": 4349,
     "results": 1729,
     "strength": 892,
     "surface": 1200,

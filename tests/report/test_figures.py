@@ -34,7 +34,6 @@ from fretfe.report.figures.tractions import _limits, _status_map, slip_plot
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
 from fretfe.report.theme import make_plot
-from fretfe.report.ticks import draw_ticks
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 
@@ -150,6 +149,7 @@ def test_ticks_of_a_boundary_whose_force_is_held(
         replace(run, root_solution=replace(solution, forces=forces, amplitudes=amplitudes))
     )
     left, _ = figures[0].axes
+    figures[0].draw_without_rendering()
     ticks = tick_numbers(left, "x")
     assert len(set(ticks)) == len(ticks) > 2
     assert left.get_xlabel() == "displacement [nm]\nplus 0.0193 mm"
@@ -191,12 +191,11 @@ def test_names_of_loads_stand_above_their_panels_and_ticks_are_plain_numbers(run
     figure = Figure()
     history = replace(run.loads, channels=tuple(loads), values=values)
     draw_loads(rows_of(figure, 2), case, history)
-    draw_ticks(figure)
+    figure.draw_without_rendering()
     held, ramp = figure.axes
     assert [each.get_title(loc="left") for each in figure.axes] == [*loads]
     assert [each.get_ylabel() for each in figure.axes] == ["[N]", "[N]"]
     assert tick_numbers(held, "y") == ["0"]
-    figure.draw_without_rendering()
     assert ramp.yaxis.get_offset_text().get_text() == ""
     assert "200000" in tick_numbers(ramp, "y")
 
@@ -219,7 +218,7 @@ def test_factors_that_are_unknown_are_said_to_be(
     )
     figure = Figure()
     draw_factors(rows_of(figure, 2), run.case, run.loads, (replace(contact, fronts=fronts),))
-    draw_ticks(figure)
+    figure.draw_without_rendering()
     labels = figure.axes[0].get_legend_handles_labels()[1]
     assert [label.endswith(", unknown") for label in labels] == [
         side not in known for side in ("left", "right")
@@ -227,7 +226,6 @@ def test_factors_that_are_unknown_are_said_to_be(
     for axes in figure.axes:
         assert ("unknown: the warnings say why" in texts(axes)) != bool(known)
         assert bool(tick_numbers(axes, "y")) == bool(known)
-    figure.draw_without_rendering()
 
 
 def test_a_contact_of_one_node_has_room_around_it(shown: Shown) -> None:

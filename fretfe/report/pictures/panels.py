@@ -27,7 +27,6 @@ from fretfe.report.plotting import (
     mpl,
 )
 from fretfe.report.theme import PICTURE_DPI, PICTURE_HEIGHT, PICTURE_WIDTH
-from fretfe.report.ticks import draw_ticks
 
 Pixels = npt.NDArray[np.uint8]
 
@@ -164,7 +163,7 @@ def settle(figure: Figure, axes: Sequence[Axes], aspect: float, heading: str) ->
         heading: of the picture, above its first panel.
     """
     title = figure.suptitle(heading, ha="left")
-    draw_ticks(figure)
+    figure.align_labels()
     for each in axes:
         for spine in each.spines.values():
             # It ends where its panel does.
