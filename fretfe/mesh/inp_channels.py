@@ -4,27 +4,28 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from fretfe._typing import Array
 from fretfe.mesh.inp_cards import Card, real
 from fretfe.mesh.inp_groups import SAME
 
 TomlTable = dict[str, Any]
+# Parameters of an amplitude, their values that are understood, and the others.
+KINDS = (
+    ("DEFINITION", "TABULAR", "PERIODIC"), ("TIME", "STEPTIME", "TOTALTIME"),
+    ("VALUE", "RELATIVE", "ABSOLUTE"),
+)  # fmt: skip
 
 
 class Amplitude(NamedTuple):
-    """Factors (values, if absolute) over the time of the step, or of all steps (total)."""
+    """Factors over the time of the step."""
 
     times: list[float]
     values: list[float]
-    total: bool
-    absolute: bool
 
     def at(self, time: float) -> float:
         """Factor at a time."""
@@ -35,17 +36,16 @@ def read_amplitude(card: Card) -> dict[str, Amplitude]:
     """The amplitude of a card, by its name.
 
     Raises:
-        ValueError: it is no table of increasing times.
+        ValueError: it is no table of increasing times, or not of factors over the time of a step.
     """
-    if (kind := card.choice("DEFINITION", "TABULAR", "PERIODIC")) != "TABULAR":
-        raise ValueError(f"expected a table, found DEFINITION={kind}")
+    for parameter, expected, other in KINDS:
+        if (kind := card.choice(parameter, expected, other)) != expected:
+            raise ValueError(f"expected {parameter}={expected}, found {parameter}={kind}")
     numbers = [real(value) for row in card.rows for value in row if value]
     times, values = numbers[::2], numbers[1::2]
     if len(times) != len(values) or not times or any(b < a for a, b in pairwise(times)):
         raise ValueError("expected pairs of increasing times and values")
-    total = card.choice("TIME", "STEPTIME", "TOTALTIME") == "TOTALTIME"
-    absolute = card.choice("VALUE", "RELATIVE", "ABSOLUTE") == "ABSOLUTE"
-    return {card.required("NAME"): Amplitude(times, values, total, absolute)}
+    return {card.required("NAME"): Amplitude(times, values)}
 
 
 class Step(NamedTuple):
@@ -68,7 +68,6 @@ class Channel:
         table: of the case, but for its history.
         since: time from which on it acts.
         points: times, values, and load steps up to there.
-        led: value and amplitude over the time of all steps, which later steps follow.
     """
 
     word: str
@@ -76,7 +75,6 @@ class Channel:
     table: TomlTable
     since: float
     points: list[tuple[float, float, int]] = field(default_factory=list)
-    led: tuple[float, Amplitude] | None = None
 
     @property
     def value(self) -> float:
@@ -88,19 +86,17 @@ class Channel:
         if not self.points or self.points[-1][0] < step.begin:
             self.points.append((step.begin, self.value, 1))
         points = [(step.end, value)]
-        self.led = (value, amplitude) if amplitude is not None and amplitude.total else None
         if amplitude is not None:
-            zero = 0.0 if amplitude.total else step.begin
-            scale = 1.0 if amplitude.absolute else value
-            first = step.begin
-            begin = scale * amplitude.at(step.begin - zero)
-            if not math.isclose(begin, self.value, rel_tol=SAME, abs_tol=SAME * abs(scale)):
+            first, begin = step.begin, value * amplitude.at(0.0)
+            if not math.isclose(begin, self.value, rel_tol=SAME, abs_tol=SAME * abs(value)):
                 first = min(step.begin + step.increment, step.end)
-            inside = {zero + time for time in amplitude.times} | {first}
+            inside = {step.begin + time for time in amplitude.times} | {first}
             times = sorted(
                 time for time in inside if step.begin < time and first <= time < step.end
             )
-            points = [(time, scale * amplitude.at(time - zero)) for time in [*times, step.end]]
+            points = [
+                (time, value * amplitude.at(time - step.begin)) for time in [*times, step.end]
+            ]
         elif step.jumps:
             points.insert(0, (min(step.begin + step.increment, step.end), value))
         for time, level in points:
@@ -108,11 +104,6 @@ class Channel:
             if time > before:
                 part = (time - before) / step.increment
                 self.points.append((time, level, max(1, math.ceil(part * (1 - 1e-9)))))
-
-    def go_on(self, step: Step) -> None:
-        """Take the points of a step that does not name the load."""
-        if self.led is not None:
-            self.go(step, *self.led)
 
     def history(self) -> list[TomlTable]:
         """Its segments."""
@@ -128,38 +119,3 @@ class Channel:
 def _short(value: float) -> float:
     """A number without what round-off adds."""
     return float(f"{value:.12g}")
-
-
-def repeated(channels: Sequence[Channel]) -> tuple[float, float] | None:
-    """Begin and end of the last time that loads run through all they run through again and again.
-
-    Of all spans between two times at which all loads stand alike, that is the shortest one in which
-    they vary as much as in any, and the last of these: a ramp before the first cycle is no part of
-    it. None if the loads end without any, as a mission does, or never return.
-    """
-    times = np.array(sorted({0.0} | {time for each in channels for time, *_ in each.points}))
-    values = np.zeros((len(times), len(channels)))
-    for place, each in enumerate(channels):
-        known, levels, _ = zip((0.0, 0.0, 1), *each.points, strict=True)
-        values[:, place] = np.interp(times, known, levels)
-    size = np.abs(values).max(axis=0, initial=0.0)
-    values = values / np.where(size > 0, size, 1.0)
-    if (np.abs(values[-1]) <= SAME).all():
-        return None
-
-    def ranges(begin: int, end: int) -> Array:
-        return np.asarray(np.ptp(values[begin : end + 1], axis=0))
-
-    stand = np.unique(np.rint(values / SAME), axis=0, return_inverse=True)[1].ravel()
-    returns = [np.flatnonzero(stand == load).tolist() for load in np.unique(stand)]
-    widest = max((ranges(ends[0], ends[-1]) for ends in returns), key=np.sum)
-    if not (widest > SAME).any():
-        return None
-    spans = []
-    for ends in returns:
-        for place, end in enumerate(ends):
-            wide = (n for n in ends[:place][::-1] if (ranges(n, end) >= widest - SAME).all())
-            if (ranges(ends[0], end) >= widest - SAME).all():
-                spans.append((next(wide), end))
-    begin, end = min(spans, key=lambda span: (_short(times[span[1]] - times[span[0]]), -span[1]))
-    return _short(times[begin]), _short(times[end])

@@ -99,9 +99,8 @@ def _lines(
     yield from _tables({"ties": ties, "contacts": found.contacts,
                         "symmetry": _symmetry(deck, dimension), "supports": found.supports,
                         "loads": found.loads})  # fmt: skip
-    if found.cycle is not None:
-        start, end = found.cycle
-        yield from ("", "[cycle]", f"start = {start!r}", f"end = {end!r}")
+    if found.loads:
+        yield from ("", "# to be added if the loads repeat: [cycle] with start and end")
     if found.lacks:
         yield ""
         yield "# not taken over:"

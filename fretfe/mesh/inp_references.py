@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck, Point
-from fretfe.mesh.inp_cards import Card, whole
+from fretfe.mesh.inp_cards import Card
 
 # Keywords of a rigid body that name what is rigid.
 RIGID = ("NSET", "ELSET", "TIENSET", "PINNSET")
@@ -29,7 +29,6 @@ class Reference:
         node: number of the reference node.
         place: of the node.
         rigid: whether the surface moves as one piece; else forces are spread over it.
-        axes: displacements that are tied, 1 to 3.
         turning: node whose displacements are rotations of the reference node; itself without one.
     """
 
@@ -38,8 +37,21 @@ class Reference:
     node: int
     place: Point
     rigid: bool
-    axes: frozenset[int]
     turning: int
+
+    def advice(self, dimension: int) -> str:
+        """Loads that a case has in place of the node, in words."""
+        place = [float(value) for value in self.place[:dimension]]
+        own = f'boundary = "{self.label}"'
+        if self.rigid:
+            return (
+                f"this node moves {self.label} as one rigid piece: write loads of type platen with "
+                f"{own}, and of type tilt with centre = {place}, or a support of {self.label}"
+            )
+        return (
+            f"this node spreads forces over {self.label}: write loads of type force with {own} and "
+            f"through = {place}"
+        )
 
 
 def references(deck: Deck) -> list[Reference]:
@@ -92,7 +104,6 @@ def _pairs(cards: Sequence[Card]) -> Iterator[tuple[Card, Card]]:
 def _reference(deck: Deck, card: Card, kind: Card) -> Reference:
     """One of them."""
     card.refuse("INFLUENCERADIUS")
-    axes = frozenset((1, 2, 3))
     if card.word == "RIGIDBODY":
         named = [name for key in RIGID if (name := card.name(key))]
         members = deck.element_sets.get(card.name("ELSET") or "", ())
@@ -108,30 +119,14 @@ def _reference(deck: Deck, card: Card, kind: Card) -> Reference:
         named, turning = [row[0].strip('"').upper() for row in card.rows if row[0]], None
     if len(named) != 1:
         raise ValueError(f"expected one set or surface, found {', '.join(named) or 'none'}")
-    if kind.word in ("KINEMATIC", "DISTRIBUTING"):
-        axes = _axes([row[:2] for row in kind.rows])
-    elif kind.word == "KINEMATICCOUPLING":
-        axes = _axes([row[1:3] for row in kind.rows])
-    if len(axes) < 3:  # along its own axes
-        card.refuse("ORIENTATION")
     if kind.word == "DISTRIBUTINGCOUPLING":
         elements = deck.members("ELSET", card.required("ELSET"))
         node = deck.elements[elements[0]][1][0]
     else:
         node = _node(deck, card.required("REFNODE"))
     return Reference(card, named[0], node, deck.nodes[node],
-                     not kind.word.startswith("DISTRIBUTING"), axes,
+                     not kind.word.startswith("DISTRIBUTING"),
                      node if turning is None else _node(deck, turning))  # fmt: skip
-
-
-def _axes(rows: Sequence[Sequence[str]]) -> frozenset[int]:
-    """Displacements from the first to the last in each row; all without one."""
-    found: set[int] = set()
-    for row in rows:
-        first, last = ([*row, "", ""])[:2]
-        if first:
-            found.update(range(whole(first), whole(last or first) + 1))
-    return frozenset(found or (1, 2, 3)) & {1, 2, 3}
 
 
 def _node(deck: Deck, text: str) -> int:

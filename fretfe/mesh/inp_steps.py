@@ -3,26 +3,24 @@
 
 Static steps one after the other: a load goes linearly from where it stands to its value at the end
 of the step, or as its amplitude says, a jump within the first increment; what a later step does not
-name stays (OP=MOD) or goes to zero (OP=NEW). Amplitudes are factors over the time of the step, or
-over that of all steps.
+name stays (OP=MOD) or goes to zero (OP=NEW). Amplitudes are factors over the time of the step.
 (Abaqus Analysis User's Guide, Prescribed conditions; CalculiX has the same rules.)
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterable, Iterator, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from functools import partial
 
 from fretfe.errors import MeshError
 from fretfe.mesh.inp import Deck
 from fretfe.mesh.inp_cards import Card, real, whole
-from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable, read_amplitude, repeated
+from fretfe.mesh.inp_channels import Amplitude, Channel, Step, TomlTable, read_amplitude
 from fretfe.mesh.inp_groups import listed
 from fretfe.mesh.inp_language import ACTING
-from fretfe.mesh.inp_references import Reference, references
+from fretfe.mesh.inp_references import references
 from fretfe.mesh.inp_shapes import Facet
 from fretfe.mesh.templates import did_you_mean
 
@@ -32,9 +30,6 @@ HELD = {
     "ENCASTRE": (1, 2, 3, 4, 5, 6), "PINNED": (1, 2, 3), "XSYMM": (1, 5, 6), "YSYMM": (2, 4, 6),
     "ZSYMM": (3, 4, 5),
 }  # fmt: skip
-# What the histories of a platen and its tilts are.
-MOTIONS = ("displacement", "rotation")
-FORCES = ("force", "moment")
 # Load steps for a step of the deck that leaves its increments to the program.
 INCREMENTS = 10
 # Keywords that begin what a step does, other than statics.
@@ -53,7 +48,6 @@ class Proposal:
         contacts: from pairs of surfaces.
         supports: boundaries held from the beginning to the end.
         loads: with their histories.
-        cycle: begin and end of what the loads repeat.
         lacks: what was not understood, in words.
         read: keywords that were.
     """
@@ -61,7 +55,6 @@ class Proposal:
     contacts: dict[str, TomlTable] = field(default_factory=dict)
     supports: dict[str, TomlTable] = field(default_factory=dict)
     loads: dict[str, TomlTable] = field(default_factory=dict)
-    cycle: tuple[float, float] | None = None
     lacks: list[str] = field(default_factory=list)
     read: set[str] = field(default_factory=set)
 
@@ -98,11 +91,7 @@ class _Steps:
         self._amplitudes: dict[str, Amplitude] = {}
         self._channels: dict[tuple[str, ...], Channel] = {}
         self._end, self._count = 0.0, 0
-        # surfaces that slide, and axes, 1 to 3, about which they do not turn
-        self._upright: set[tuple[str, int]] = set()
-        self._references = references(deck)
-        self._led = {each.turning: (each, 3) for each in self._references}
-        self._led |= {each.node: (each, 0) for each in self._references}
+        self._led = {node: each for each in references(deck) for node in (each.node, each.turning)}
         for card in deck.analysis:
             if card.word == "AMPLITUDE":
                 self._try(card, lambda each: self._amplitudes.update(read_amplitude(each)))
@@ -163,30 +152,21 @@ class _Steps:
                 self._lack(first, f"step {self._count} frees {' '.join(key[1:])} (OP=NEW)")
             elif channel.word in renewed:
                 channel.go(step, 0.0, None)
-            else:
-                channel.go_on(step)
 
     def finish(self) -> Proposal:
         """Make the tables."""
         found = self._found
         for channel in self._channels.values():
             table, still = channel.table, not any(value for _, value, _ in channel.points)
-            along = table.get("direction", table.get("axis"))
             if channel.word == "BOUNDARY" and channel.since > 0.0:
                 found.lacks.append(
-                    f"{channel.place}: {table['boundary']} is held or moved along {along} from "
-                    f"t = {channel.since:g} on only"
+                    f"{channel.place}: {table['boundary']} is held or moved along "
+                    f"{table['direction']} from t = {channel.since:g} on only"
                 )
             elif channel.word == "BOUNDARY" and still:
-                # a platen is held without a load
-                if table["type"] == "displacement":
-                    self._hold(table["boundary"], table["direction"])
+                self._hold(table["boundary"], table["direction"])
             elif not still:
                 self._add(table, channel.history())
-        for each in self._references:
-            if each.rigid:
-                self._finish_platen(each)
-        found.cycle = repeated([*self._channels.values()])
         return found
 
     def _hold(self, boundary: str, axis: str) -> None:
@@ -198,48 +178,11 @@ class _Steps:
     def _add(self, table: TomlTable, history: list[TomlTable]) -> None:
         """Take over a load."""
         name = _name(str(table.get("boundary", table["type"])))
-        along = table.get("direction", table.get("axis") if table["type"] == "tilt" else None)
-        name += "_about" if table["type"] == "tilt" else ""
+        along = table.get("direction")
         name = f"{name}_{along}" if isinstance(along, str) else name
         while name in self._found.loads:
             name += "_"
         self._found.loads[name] = {**table, "history": history}
-
-    def _finish_platen(self, led: Reference) -> None:
-        """Free what nothing holds or loads of a rigid surface; a support where nothing is free."""
-        places: Iterable[int] = range(1, 7)
-        if self._slides(led):
-            places = sorted(led.axes)
-            turns = {about for about in (1, 2, 3) if led.axes - {about}}
-            turns &= {3} if len(self._axes) == 2 else {1, 2, 3}
-            if not {(led.label, about) for about in turns} <= self._upright:
-                turning = "which a platen that slides does not: hold the turns of its node"
-                self._lack(led.card, f"{led.label} is tied along some axes and may turn, {turning}")
-        try:
-            tables = [each for n in places for each, _ in self._moved(led, n, FORCES)]
-        except (ValueError, MeshError) as error:
-            self._lack(led.card, str(error))
-            return
-        held = {
-            (channel.table["type"], channel.table.get("direction", channel.table.get("axis")))
-            for channel in self._channels.values()
-            if channel.word == "BOUNDARY" and channel.table.get("boundary") == led.label
-        }
-        loaded = {
-            (load["type"], load.get("direction", load.get("axis")))
-            for load in self._found.loads.values() if load.get("boundary") == led.label
-        }  # fmt: skip
-        for table in tables:
-            if (table["type"], table.get("direction", table.get("axis"))) not in held | loaded:
-                self._add(table, [{"hold": True, "until": self._end or 1.0, "steps": 1}])
-        if all(load.get("boundary") != led.label for load in self._found.loads.values()):
-            for place in sorted(led.axes):
-                if place <= len(self._axes):
-                    self._hold(led.label, AXES[place - 1])
-
-    def _slides(self, led: Reference) -> bool:
-        """True for a surface that is free to move along some axes."""
-        return not led.axes.issuperset(range(1, len(self._axes) + 1))
 
     def _try(self, card: Card, read: Callable[[Card], object]) -> None:
         """Read a card, or say why it is not understood."""
@@ -315,16 +258,6 @@ class _Steps:
             first = whole(word)
             places = range(first, (whole(row[2]) if len(row) > 2 and row[2] else first) + 1)
         value = real(row[3]) if len(row) > 3 and row[3] else 0.0
-        if led := self._led_by(row[0]):
-            for each, place in ((each, place + more) for each, more in led for place in places):
-                if not each.rigid:
-                    raise ValueError(f"expected forces at the reference node of {each.label} alone")
-                if self._slides(each) and place > len(AXES) and not value:
-                    self._upright.add((each.label, place - len(AXES)))
-                    continue
-                for table, _ in self._moved(each, place, MOTIONS):
-                    yield table, value
-            return
         boundary = self._nodes(row[0])
         for axis in (AXES[place - 1] for place in places if place <= len(self._axes)):
             yield {"type": "displacement", "boundary": boundary, "direction": axis}, value
@@ -333,60 +266,11 @@ class _Steps:
         """Equal forces on the nodes of a boundary, as one force that is spread over it."""
         if "FOLLOWER" in card.parameters:
             raise ValueError("expected forces that keep their direction")
-        if led := self._led_by(row[0]):
-            for each, more in led:
-                for table, factor in self._moved(each, whole(row[1]) + more, FORCES):
-                    yield table, factor * real(row[2])
-            return
-        place = whole(row[1]) - 1
-        # of many nodes each would be a load of its own
-        if (node := self._lone(row[0])) and len(card.rows) <= 10:
-            boundary = self._around(node, row[0])
-            self._lack(card, f"the force on node {row[0]} as such: it is spread over {boundary}")
-            through = [float(value) for value in self._deck.nodes[node][: len(self._axes)]]
-            yield {"type": "force", "boundary": boundary, "direction": self._axes[place],
-                   "through": through}, real(row[2])  # fmt: skip
-            return
         boundary = self._nodes(row[0])
         unnamed = self._deck.unnamed
         count = unnamed.get(boundary) or len(set(self._deck.node_sets[boundary]))
-        table = {"type": "force", "boundary": boundary, "direction": self._axes[place]}
+        table = {"type": "force", "boundary": boundary, "direction": self._axes[whole(row[1]) - 1]}
         yield table, count * real(row[2])
-
-    def _led_by(self, text: str) -> list[tuple[Reference, int]]:
-        """References of a node or set, if these are theirs, and what leads to their rotations."""
-        members = self._deck.labelled(text)
-        return [self._led[node] for node in dict.fromkeys(members) if node in self._led]
-
-    def _moved(
-        self, led: Reference, place: int, controls: tuple[str, str]
-    ) -> Iterator[tuple[TomlTable, float]]:
-        """Loads of a surface with a reference node along or about an axis, and their factors."""
-        self._find(led.label)
-        size, own = len(self._axes), {"boundary": led.label}
-        centre = [float(value) for value in led.place[:size]]
-        if self._slides(led) and place not in led.axes:
-            # the surface stays where it is, whatever the node does
-            if led.rigid and place <= size and controls is MOTIONS:
-                return
-            raise ValueError(f"{led.label} is tied along some axes only, and does not follow")
-        if place <= size:
-            along = {**own, "direction": AXES[place - 1]}
-            if led.rigid:
-                yield {"type": "platen", **along, "control": controls[0]}, 1.0
-            else:
-                yield {"type": "force", **along, "through": centre}, 1.0
-        elif place == 6 or (place > 3 and size == 3):
-            about = place - 4
-            if led.rigid:
-                yield {"type": "tilt", **own, "axis": AXES[about], "centre": centre,
-                       "control": controls[1]}, 1.0  # fmt: skip
-                return
-            # a couple of forces with a lever of one
-            arm, along = (about + 1) % 3, {**own, "direction": AXES[(about + 2) % 3]}
-            for end in (0.5, -0.5):
-                through = [value + end * (axis == arm) for axis, value in enumerate(centre)]
-                yield {"type": "force", **along, "through": through}, 2 * end
 
     def _pressure(self, card: Card, row: list[str]) -> Iterator[tuple[TomlTable, float]]:
         """A pressure on a surface, or a traction along a vector."""
@@ -434,6 +318,9 @@ class _Steps:
     def _nodes(self, text: str) -> str:
         """A set of nodes that is a boundary."""
         label = text.strip('"').upper()
+        for node in self._deck.labelled(text):
+            if node in self._led:
+                raise ValueError(self._led[node].advice(len(self._axes)))
         if label in self._deck.unnamed:
             return label
         if label not in self._deck.node_sets:
@@ -442,28 +329,6 @@ class _Steps:
             raise ValueError(f"expected a name of its own, found {label}, a surface too")
         self._find(label)
         return label
-
-    def _lone(self, text: str) -> int | None:
-        """The number of a node that is alone in a row; None for a set of several."""
-        members = self._deck.labelled(text)
-        return members[0] if len(members) == 1 and members[0] in self._deck.nodes else None
-
-    def _around(self, node: int, text: str) -> str:
-        """The smallest named boundary with a node on its facets that is no surface of a contact."""
-        contacts = [table[f"surface{n}"] for table in self._found.contacts.values() for n in (1, 2)]
-        sizes = {}
-        for label in (*self._deck.surfaces, *self._deck.node_sets):
-            if label not in contacts:
-                with suppress(MeshError):
-                    facets = self._find(label)
-                    if any(node in facet.nodes for facet in facets):
-                        sizes[label] = len(facets)
-        if not sizes:
-            raise ValueError(
-                f"under a force on one node it moves the farther the smaller the elements are: name"
-                f" a surface (*SURFACE) around node {text}, over which it is spread"
-            )
-        return min(sizes, key=lambda label: sizes[label])
 
     def _no_set(self, text: str) -> str:
         """A label that is no set of nodes, in words."""
@@ -474,7 +339,10 @@ class _Steps:
             )
         if nodes[0] not in self._deck.nodes:
             return f"there is no node {text}"
-        return "single nodes are not held here: hold the nodes of whole facets (*NSET) or a surface"
+        return (
+            "single nodes are neither held nor loaded here: name the nodes of whole facets "
+            "(*NSET), or a surface (*SURFACE) around them"
+        )
 
 
 def _name(label: str) -> str:

@@ -143,7 +143,6 @@ REFERENCE = "*NODE, NSET=RP\n99, 0., 5.\n"
         ("*RIGID BODY, NSET=TOP, REF NODE=99\n*RIGID BODY, NSET=LOW, REF NODE=99\n",
          "moves several surfaces together"),
         ("*RIGID BODY, NSET=TOP, REF NODE=98\n", "expected one node that is defined, found 98"),
-        ("*COUPLING, REF NODE=99, SURFACE=TOP, ORIENT=O\n*KINEMATIC\n1\n", "ORIENTATION is not"),
     ],
 )  # fmt: skip
 def test_reference_nodes_that_the_case_does_not_follow(

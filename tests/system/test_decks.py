@@ -28,8 +28,29 @@ CAPPED = (
     "*NSET, NSET=FOOT, GENERATE\n10000, 10003, 1\n*BOUNDARY\nFOOT, ENCASTRE\n"
     "*SURFACE INTERACTION, NAME=RUB\n*FRICTION\n0.5,\n"
     "*CONTACT PAIR, INTERACTION=RUB\nup_bottom, low_top\n"
-    "*STEP\n*STATIC, DIRECT\n0.5, 1.\n*CLOAD\n{}\n*END STEP\n"
 )
+
+
+def cap_loads(*, rigid: bool) -> dict[str, dict[str, Any]]:
+    """The forces at the reference node, as `check` says that a case has them."""
+    ramps = {
+        value: [{"ramp": value, "until": 1.0, "steps": 2}] for value in (PRESSED, MOMENT, -MOMENT)
+    }
+    if not rigid:  # the moment is a couple with an arm of one
+        force = {"type": "force", "boundary": "up_top", "direction": "y"}
+        places = (("press", 1.3, PRESSED), ("right", 1.8, MOMENT), ("left", 0.8, -MOMENT))
+        return {
+            name: force | {"through": [x, 2.5], "history": ramps[value]}
+            for name, x, value in places
+        }
+    own = {"type": "platen", "boundary": "up_top", "control": "force"}
+    free = [{"hold": True, "until": 1.0, "steps": 1}]
+    tilt = own | {"type": "tilt", "axis": "z", "centre": [1.3, 2.5], "control": "moment"}
+    return {
+        "up_top_x": own | {"direction": "x", "history": free},
+        "up_top_y": own | {"direction": "y", "history": ramps[PRESSED]},
+        "up_top_about_z": tilt | {"history": ramps[MOMENT]},
+    }
 
 
 @pytest.mark.parametrize("layers", [0, 1])
@@ -42,10 +63,10 @@ def test_a_column_that_a_reference_node_bends(tmp_path: Path, kind: str, layers:
     """
     rigid = kind != "*DISTRIBUTING"
     lever = MOMENT - 0.2 * PRESSED
-    loads = f"RP, 2, {PRESSED}\nRP, 6, {MOMENT}"
     path = tmp_path / "column.inp"
-    write_deck(path, [LOW, UP], CAPPED.format(kind, loads))
+    write_deck(path, [LOW, UP], CAPPED.format(kind))
     tables = tomllib.loads("\n".join(outline(path).lines))
+    tables["loads"] = cap_loads(rigid=rigid)
     width = 0.5 if layers else 1.0
     if layers:
         tables["geometry"]["solid"] = {"length": width, "layers": layers}
