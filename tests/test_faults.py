@@ -241,7 +241,7 @@ def test_broken_pictures_cost_no_report(
 def test_an_error_in_the_process_that_draws_is_told(
     drawn: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    def draw(task: str, directory: Path, files: list[str]) -> dict[str, dict[str, str]]:
+    def draw(directory: Path, files: list[str]) -> dict[str, dict[str, str]]:
         told = {"error": "IndexError: 4", "trace": "Traceback: of another process"}
         return {file: told if file == files[0] else {"reason": "no OpenGL"} for file in files}
 

@@ -105,8 +105,6 @@ COMMANDS: tuple[tuple[Callable[..., None], str], ...] = (
     (exchange.submodel, exchange.SUBMODEL_EXAMPLES),
     (laboratory.strength, laboratory.STRENGTH_EXAMPLES),
     (decision.assess, decision.ASSESS_EXAMPLES),
-    (lists.animate, lists.ANIMATE_EXAMPLES),
-    (lists.scene, lists.SCENE_EXAMPLES),
     (lists.info, lists.INFO_EXAMPLES),
     (lists.schema, lists.SCHEMA_EXAMPLES),
 )

@@ -12,7 +12,7 @@ import typer
 
 from fretfe.cli.options import Results, examples
 from fretfe.environment import rank_from_environment
-from fretfe.faults import Fault, collecting, guarded, require_none, write_traceback
+from fretfe.faults import collecting, guarded, require_none
 from fretfe.report.texts import plain_table
 
 if TYPE_CHECKING:
@@ -260,54 +260,3 @@ def report(
         path = write_report(directory, plots)
     print(f"Report in {path}")
     require_none(collected.faults, directory)
-
-
-ANIMATE_EXAMPLES = examples("fretfe animate pad -o cycle.gif")
-SCENE_EXAMPLES = examples("fretfe scene pad -o pad.gltf")
-
-
-def animate(
-    results: Results,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gif).")],
-) -> None:
-    """Draw the evaluated cycle of a run as an animation.
-
-    The run needs the fields of all steps.
-    """
-    _make("animation", results, output, ".gif")
-    print(f"Wrote {output}")
-
-
-def scene(
-    results: Results,
-    output: Annotated[Path, typer.Option("--output", "-o", help="File to write (.gltf).")],
-) -> None:
-    """Write the bodies and their last stress as a glTF scene."""
-    from fretfe.results.reader import read_numbers
-
-    report = _make("scene", results, output, ".gltf")
-    unit = read_numbers(results)["units"]["stress"]
-    text = f"displacements × {report['scale']:g}, colours 0 to {report['limit']:g} {unit}"
-    print(f"Wrote {output}: {text}")
-
-
-def _make(task: str, directory: Path, output: Path, suffix: str) -> dict[str, float]:
-    from fretfe.errors import CaseError, OutputError
-    from fretfe.report.pictures.folder import draw_in_child
-    from fretfe.results.reader import read_numbers
-
-    if output.suffix != suffix:
-        raise CaseError(f"--output: expected a name that ends in {suffix}, found {str(output)!r}")
-    if not output.parent.is_dir():
-        raise OutputError(f"{output}: expected an existing folder, found none: {output.parent}")
-    numbers = read_numbers(directory)
-    if not numbers["mesh"]:
-        backend = numbers["backend"]
-        raise OutputError(f"{directory}: expected bodies, found none: the backend was {backend!r}")
-    (report,) = draw_in_child(task, directory, [str(output)]).values()
-    if "error" in report:
-        write_traceback(None, task, report["trace"])
-        require_none([Fault(task, report["error"])])
-    if "reason" in report:
-        raise OutputError(f"{directory}: {report['reason']}")
-    return report

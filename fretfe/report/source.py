@@ -65,13 +65,6 @@ def times_text(run: Result, states: Sequence[int]) -> str:
     return " and ".join(when(run, state) for state in states)
 
 
-def cycle_states(run: Result) -> range:
-    """States of an animation of the evaluated cycle, or of everything without one."""
-    first, last = run.loads.evaluated
-    # The last state of a cycle looks like the first one; nothing is loaded at the first of all.
-    return range(first, last) if run.loads.cycle else range(1, last + 1)
-
-
 @dataclass(frozen=True)
 class Shown:
     """A contact to be drawn.

@@ -70,9 +70,6 @@ HALO: Any = [withStroke(linewidth=2.4, foreground="white")]
 WIDTH = 3.7
 PICTURE_WIDTH = 5.8
 PICTURE_HEIGHT = 6.0
-# Of an animation: its width in inches, and how long a cycle takes in milliseconds.
-FRAME_WIDTH = 4.0
-DURATION = 4000
 # Height of a plot with little in it, of one panel, of each load, of two and of three panels.
 LOW = 2.3
 SINGLE = 2.6

@@ -63,9 +63,6 @@ def faults() -> Iterator[Fault]:
     for file in ("results.json", "results.h5"):
         for make in ("pipe", "folder", "/dev/zero"):
             yield Fault(f"{file}/{make}", REPORT, _no_file(file, make), True)
-    for command in (("animate", "run", "-o", "a.gif"), ("scene", "run", "-o", "a.gltf")):
-        yield Fault(f"folder/{command[0]}", command, _copied(lambda folder: None), True)
-        yield Fault(f"folder/{command[0]} of nothing", command, lambda good, here: None, True)
 
 
 def _copied(change: Callable[[Path], object]) -> Prepare:

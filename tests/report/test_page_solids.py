@@ -22,7 +22,6 @@ from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.report.figures.edges import area_plot, force_plot
 from fretfe.report.page.html import draw_plots, render
 from fretfe.report.page.tables import summary
-from fretfe.report.pictures import folder as pictures
 from fretfe.report.source import extremes
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
@@ -102,21 +101,10 @@ def test_no_cycle_is_said() -> None:
     assert any(each.startswith("There is no evaluated cycle: no load is a wave") for each in told)
 
 
-def test_report_command(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    # `test_pictures_solids` draws the cycle.
-    monkeypatch.setattr(pictures, "draw_cycle", lambda *_: (b"GIF", "cycle"))
+def test_report_command(folder: Path) -> None:
     done = CliRunner().invoke(app, ["report", str(folder)])
     assert done.exit_code == 0
     assert "Hysteresis" in (folder / "report.html").read_text("utf-8")
-
-
-def test_scene_command(folder: Path, tmp_path: Path) -> None:
-    pytest.importorskip("pyvista")
-    path = tmp_path / "bodies.gltf"
-    done = CliRunner().invoke(app, ["scene", str(folder), "-o", str(path)])
-    if done.exit_code and "OpenGL" in str(done.exception):
-        pytest.skip(str(done.exception))
-    assert done.exit_code == 0 and path.exists()
 
 
 @pytest.fixture(scope="module")

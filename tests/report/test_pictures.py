@@ -275,7 +275,7 @@ def test_other_work_is_done_while_processes_draw(
     running: list[Sequence[str]] = []
     most: list[int] = []
 
-    def draw(task: str, directory: Path, files: Sequence[str]) -> dict[str, dict[str, Any]]:
+    def draw(directory: Path, files: Sequence[str]) -> dict[str, dict[str, Any]]:
         running.append(files)
         most.append(len(running))
         if idle:

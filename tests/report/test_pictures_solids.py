@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pictures of solids: surfaces in a plane, stress on skin and cuts, files beside the page."""
+"""Pictures of solids: surfaces in a plane, stress on skin and cuts."""
 
 from __future__ import annotations
 
@@ -14,7 +14,6 @@ from cases.solid_runs import (
     RADIUS,
     Surface,
     block,
-    bodies,
     contact,
     element_nodes,
     field_values,
@@ -36,17 +35,13 @@ from fretfe.errors import ConvergenceError
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.history.solution import OPEN, SLIP, STICK
 from fretfe.report.page.html import render
-from fretfe.report.pictures import surfaces
 from fretfe.report.pictures.fields import FACES, BodyField, Grid, section
 from fretfe.report.pictures.fields import surface as linear_pieces
-from fretfe.report.pictures.folder import make_pictures, read_pictures
+from fretfe.report.pictures.folder import make_pictures
 from fretfe.report.pictures.looks import _cut, _whole, cell_volumes, plan_pictures
 from fretfe.report.pictures.panels import SpaceView, pixels
 from fretfe.report.pictures.surfaces import (
     FILLS,
-    MOST_BYTES,
-    cycle_frames,
-    draw_cycle,
     draw_surface,
     lay_out,
 )
@@ -193,12 +188,6 @@ def test_contact_ends_where_its_edge_is(picture: Drawn) -> None:
     assert not grey.any() and (np.ptp(outside[:1], axis=1) < 0.01).all()
 
 
-def test_long_cycles_are_thinned_out(result: Result) -> None:
-    loads = replace(result.loads, times=np.arange(501.0), cycle=(100, 400))
-    states = cycle_frames(replace(result, loads=loads))
-    assert len(states) == 60 and states[0] == 100 and states[-1] == 399
-
-
 @pytest.mark.parametrize("count", sorted(FACES))
 def test_faces_are_those_of_vtk(count: int) -> None:
     vtk = pytest.importorskip("vtk")
@@ -261,32 +250,11 @@ def test_everything_is_drawn_and_listed(drawn: Path) -> None:
     content = listed(drawn)
     assert content["missing"] == []
     assert [each["file"] for each in content["pictures"]] == ["stress.png", "contact.png"]
-    assert [each["file"] for each in content["files"]] == ["cycle.gif", "bodies.gltf"]
     for each in content["pictures"]:
         with Image.open(drawn / PICTURES / each["file"]) as image:
             assert image.size == (each["width"], each["height"])
-    assert [each.source for each in read_pictures(drawn).files] == [
-        "pictures/cycle.gif",
-        "pictures/bodies.gltf",
-    ]
     caption = content["pictures"][0]["caption"]
     assert "through its largest pressure at (0, 0, 0) mm and across z" in caption
-
-
-def test_cycle_is_an_animation_of_its_states(drawn: Path, result: Result) -> None:
-    path = drawn / PICTURES / "cycle.gif"
-    with Image.open(path) as image:
-        frames = image.n_frames  # type: ignore[attr-defined]
-        assert image.info["loop"] == 0
-    assert frames == 16 == len(cycle_frames(result)) and path.stat().st_size < MOST_BYTES
-    assert "16 states" in listed(drawn)["files"][0]["caption"]
-
-
-def test_large_animations_are_thinned_out(result: Result, monkeypatch: pytest.MonkeyPatch) -> None:
-    short = replace(result, loads=replace(result.loads, cycle=(20, 24)))
-    monkeypatch.setattr(surfaces, "MOST_BYTES", 60_000)
-    data, caption = draw_cycle(short, "main")
-    assert "2 states" in caption and len(data) < 60_000
 
 
 @pytest.mark.parametrize(("turn", "upright"), [(1.0, 1), (-1.0, 0)])
@@ -334,27 +302,6 @@ def test_cut_stays_inside_a_contact_whose_pressure_is_largest_at_an_end(result: 
         assert across.min() < view.centre @ normal < across.max()
 
 
-def test_scene_has_all_bodies(drawn: Path) -> None:
-    pytest.importorskip("pyvista")
-    scene = json.loads((drawn / PICTURES / "bodies.gltf").read_text("utf-8"))
-    assert len(scene["meshes"]) == len(bodies())
-    counts = [
-        scene["accessors"][each["primitives"][0]["attributes"]["POSITION"]]
-        for each in scene["meshes"]
-    ]
-    assert [each["max"][0] for each in counts] == pytest.approx([2.0, 3.0], abs=0.3)
-
-
-def test_without_the_states_of_the_cycle_there_is_no_animation(tmp_path: Path) -> None:
-    folder = write_solid(tmp_path / "results", tractions="extremes")
-    (folder / "fields.hdf").unlink()
-    make_pictures(folder)
-    reasons = {each["title"]: each["reason"] for each in listed(folder)["missing"]}
-    assert 'tractions = "cycle"' in reasons["Cycle of the contact main"]
-    assert '"extremes"' in reasons["Bodies with their stress as a scene"]
-    assert [each["file"] for each in listed(folder)["pictures"]] == ["contact.png"]
-
-
 def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -> None:
     solution, loads = result.solution, result.loads
     first = slice(0, 1)
@@ -381,8 +328,7 @@ def test_a_run_without_steps_has_what_there_is(result: Result, tmp_path: Path) -
     )
     write_results(tmp_path, run)
     make_pictures(tmp_path)
-    reasons = {each["title"]: each["reason"] for each in listed(tmp_path)["missing"]}
-    assert reasons["Cycle of the contact main"] == "no step was solved"
+    assert [each["file"] for each in listed(tmp_path)["pictures"]] == ["contact.png"]
     assert "step 1 has no solution" in render(tmp_path)
 
 

@@ -4,8 +4,6 @@
 from __future__ import annotations
 
 import importlib.util
-import json
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
@@ -13,15 +11,9 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.drawn import BODIES, pad_case, write_folder
-from harness.launch import python
-from harness.small_files import small_files
-from PIL import Image
+from cases.drawn import pad_case, write_folder
 
 from fretfe._typing import Array
-from fretfe.cli.lists import animate
-from fretfe.cli.lists import scene as write_scene
-from fretfe.errors import CaseError, FretfeError, OutputError
 from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.report.pictures.fields import BodyField, Grid, find_time, open_fields
@@ -246,80 +238,6 @@ def cycle(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """A folder with the fields of all steps."""
     times = [0.5, 1.0, *(1 + np.arange(1, 9) / 4).tolist()]
     return write_folder(tmp_path_factory.mktemp("cycle") / "results", times)
-
-
-@needs_pyvista
-def test_the_cycle_is_animated(cycle: Path) -> None:
-    done = python("-m", "fretfe", "animate", cycle, "-o", cycle / "cycle.gif")
-    if "OpenGL" in done.stderr:
-        pytest.skip(done.stderr)
-    assert done.returncode == 0, done.stderr
-    with Image.open(cycle / "cycle.gif") as image:
-        # Four steps to a cycle; 1000 px are wide enough for a page.
-        assert image.n_frames == 4 and image.width < 1000  # type: ignore[attr-defined]
-
-
-@needs_pyvista
-def test_an_animation_needs_all_states(tmp_path: Path) -> None:
-    folder = write_folder(tmp_path / "extremes", [2.25, 2.75, 3.0])
-    with pytest.raises(OutputError, match=r"all 4 states .* found 2: .*fields = \"all\""):
-        animate(folder, tmp_path / "cycle.gif")
-    assert not (tmp_path / "cycle.gif").exists()
-
-
-@needs_pyvista
-def test_the_bodies_are_a_scene(cycle: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    write_scene(cycle, cycle / "scene.gltf")
-    assert "displacements × 5" in capsys.readouterr().out.replace("\n", " ")
-    scene = json.loads((cycle / "scene.gltf").read_text())
-    assert len(scene["meshes"]) == len(BODIES)
-    assert all("COLOR_0" in mesh["primitives"][0]["attributes"] for mesh in scene["meshes"])
-    colours = [m["pbrMetallicRoughness"]["baseColorFactor"] for m in scene["materials"]]
-    assert colours == [[1.0] * 4] * len(BODIES)
-
-
-@needs_pyvista
-@pytest.mark.parametrize(
-    ("make", "name"), [(animate, "cycle.gif"), (write_scene, "scene.gltf")], ids=["GIF", "glTF"]
-)
-def test_files_that_do_not_fit_are_not_said_to_be_written(
-    cycle: Path,
-    tmp_path: Path,
-    capsys: pytest.CaptureFixture[str],
-    make: Callable[[Path, Path], None],
-    name: str,
-) -> None:
-    """VTK says nothing; what was there before stays."""
-    (tmp_path / name).write_text("before")
-    with small_files(2000), pytest.raises(OutputError) as raised:
-        make(cycle, tmp_path / name)
-    assert "Wrote" not in capsys.readouterr().out
-    assert [(each.name, each.read_text()) for each in tmp_path.iterdir()] == [(name, "before")]
-    # VTK 9.3 aborts where it finds no screen, or no room for one.
-    if any(word in str(raised.value) for word in ("OpenGL", "Aborted")):
-        pytest.skip(str(raised.value))
-    assert f"{tmp_path / name} cannot be written: [Errno 27] File too large" in str(raised.value)
-
-
-@pytest.mark.parametrize(
-    ("make", "name", "expected", "words"),
-    [
-        (animate, "cycle.mp4", CaseError, r"ends in \.gif"),
-        (write_scene, "scene.obj", CaseError, r"ends in \.gltf"),
-        (animate, "nowhere/cycle.gif", OutputError, "existing folder"),
-        (write_scene, "scene.gltf", OutputError, "results of a run"),
-    ],
-    ids=["not a GIF", "not glTF", "no folder", "no results"],
-)
-def test_files_that_cannot_be_made(
-    tmp_path: Path,
-    make: Callable[[Path, Path], None],
-    name: str,
-    expected: type[FretfeError],
-    words: str,
-) -> None:
-    with pytest.raises(expected, match=words):
-        make(tmp_path, tmp_path / name)
 
 
 def test_fields_are_those_of_the_extremes_by_default() -> None:

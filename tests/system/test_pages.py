@@ -58,7 +58,7 @@ def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Reader:
     return reader
 
 
-def undrawn(task: str, directory: Path, files: Sequence[str]) -> dict[str, dict[str, str]]:
+def undrawn(directory: Path, files: Sequence[str]) -> dict[str, dict[str, str]]:
     return {file: {"reason": "it was not asked for"} for file in files}
 
 

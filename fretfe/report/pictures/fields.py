@@ -7,8 +7,7 @@ texts are drawn around an image, and lines upon it, by Matplotlib.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -17,7 +16,6 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.files import cut_off, replacing
 from fretfe.mesh.elements import CORNERS, FACETS, MIDDLES, SHAPES, VTK_MIDDLES, nodes_of_facets
 from fretfe.report.pictures.panels import Pixels, SpaceView, View
 from fretfe.report.theme import COLOURS
@@ -184,10 +182,6 @@ class Fields:
             }
         return self._read[state]
 
-    def forget(self) -> None:
-        """Give the memory of all values back."""
-        self._read.clear()
-
     def _number(self, state: int) -> int | None:
         times = self._source.times if self._source is not None else np.zeros(0)
         return find_time(times, float(self.run.loads.times[state]))
@@ -258,30 +252,6 @@ class Scene:
         self._plotter.render_window.SetSize(*pixels)
         self._plotter.render()
         return np.array(self._plotter.screenshot(return_img=True)[..., :3])
-
-    def export(self, bodies: Mapping[str, BodyField], scale: float, path: Path) -> None:
-        """Write bodies, with their names, in their deformed shape as a glTF file.
-
-        Colours are those at the nodes.
-
-        Raises:
-            OSError: if it cannot be written, of which VTK says nothing.
-        """
-        self._plotter.clear_actors()
-        for body in bodies.values():
-            actor = self._add(surface(body, scale), lighting=False, interpolate_before_map=False)
-            # Viewers of glTF multiply the colours by this one.
-            actor.prop.color = "white"
-        with replacing(path) as new:
-            self._plotter.export_gltf(new)
-            try:
-                scene = json.loads(new.read_bytes())
-            except ValueError:
-                raise cut_off(new) from None
-            for node in (each for each in scene["nodes"] if "mesh" in each):
-                name = list(bodies)[node["mesh"]]
-                node["name"] = scene["meshes"][node["mesh"]]["name"] = name
-            new.write_text(json.dumps(scene, ensure_ascii=False), encoding="utf-8")
 
     def _add(self, mesh: Any, **look: Any) -> Any:
         """Add a mesh in the colours of its stress, which follow it between the nodes."""

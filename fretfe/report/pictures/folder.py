@@ -2,8 +2,7 @@
 """The pictures of a results folder: `pictures/*.png`, and `pictures/pictures.json` that lists them.
 
 Stress is drawn by another process, which may crash where OpenGL does not work: pictures that cannot
-be made are listed with the reason. Of solids there are files to open beside them: an animation of
-the contact where the shear varies most, and the bodies as a scene.
+be made are listed with the reason.
 """
 
 from __future__ import annotations
@@ -26,11 +25,11 @@ from typing import Any
 from fretfe.environment import idle_cores, without_launcher
 from fretfe.errors import OutputError
 from fretfe.faults import guarded, note_fault
-from fretfe.files import replace_text, replacing, require_file, stranger_in, writing
+from fretfe.files import replace_text, require_file, stranger_in, writing
 from fretfe.report.pictures.looks import Wanted, plan_pictures
 from fretfe.report.pictures.mesh import draw_status
 from fretfe.report.pictures.panels import save_png
-from fretfe.report.pictures.surfaces import cycle_frames, draw_cycle, draw_surface
+from fretfe.report.pictures.surfaces import draw_surface
 from fretfe.report.source import folder_of
 from fretfe.results.field_files import FIELDS
 from fretfe.results.model import Result
@@ -43,17 +42,11 @@ NO_FIELDS = (
     'writes; "extremes" suits pictures'
 )
 
-NOT_KEPT = (
-    "the tractions of some states of the cycle are not kept: 'tractions = \"cycle\"' in the table "
-    "[output] of the case keeps them"
-)
-
 # Errors of reading a list that is not as it was written.
 DAMAGED = (OSError, AttributeError, KeyError, TypeError, ValueError, RecursionError)
-# Kinds that need fields and are drawn by another process; kinds of files to open.
-BY_CHILD = ("bodies", "edges", "scene")
-FILES = ("cycle", "scene")
-# Seconds for all files of a call.
+# Kinds that need fields and are drawn by another process.
+BY_CHILD = ("bodies", "edges")
+# Seconds for all pictures of a call.
 TIMEOUT = 600.0
 # Seconds between words to those who wait for pictures.
 EVERY = 3.0
@@ -109,10 +102,6 @@ def _lacks(run: Result, wanted: Wanted) -> str:
         return f"the backend {run.backend!r} has no bodies to draw"
     if wanted.kind == "edges" and not wanted.edges:
         return "the load extremes have no contact edges, or too few nodes in contact to find them"
-    if wanted.kind == "cycle" and len(run.loads.times) < 2:
-        return "no step was solved"
-    if wanted.kind == "cycle" and not cycle_frames(run):
-        return NOT_KEPT
     return ""
 
 
@@ -134,9 +123,7 @@ def _draw(
     # The threads only wait for their processes.
     with ThreadPoolExecutor(max(idle, 1)) as waiting:
         shares = [files[first :: max(idle, 1)] for first in range(min(len(files), max(idle, 1)))]
-        drawn = [
-            waiting.submit(draw_in_child, "pictures", folder_of(run), share) for share in shares
-        ]
+        drawn = [waiting.submit(draw_in_child, folder_of(run), share) for share in shares]
         if idle:
             meanwhile(run)
         for each in wanted:
@@ -165,13 +152,8 @@ def _checked(file: str, report: dict[str, Any]) -> dict[str, Any]:
 
 
 def _draw_contacts(run: Result, wanted: Wanted) -> dict[str, Any]:
-    """Caption, and size of a picture, of what needs no fields."""
+    """Caption and size of a picture that needs no fields."""
     path = folder_of(run) / PICTURES / wanted.file
-    if wanted.kind == "cycle":
-        data, caption = draw_cycle(run, wanted.contacts[0])
-        with replacing(path) as new:
-            new.write_bytes(data)
-        return {"caption": caption}
     if wanted.kind == "surface":
         figure, caption = draw_surface(run, wanted.contacts[0], wanted.states)
     else:
@@ -184,16 +166,14 @@ def _write_list(
     directory: Path, wanted: Sequence[Wanted], reports: Mapping[str, Mapping[str, Any]]
 ) -> None:
     pictures: list[dict[str, Any]] = []
-    files: list[dict[str, Any]] = []
     missing: list[dict[str, Any]] = []
     for each in wanted:
         report = dict(reports[each.file])
         if "reason" in report:
             missing.append({"title": each.title, "reason": report.pop("reason")})
         if report:
-            shown = files if each.kind in FILES else pictures
-            shown.append({"file": each.file, "title": each.title, **report})
-    lists = {"pictures": pictures, **({"files": files} if files else {}), "missing": missing}
+            pictures.append({"file": each.file, "title": each.title, **report})
+    lists = {"pictures": pictures, "missing": missing}
     text = json.dumps(lists, indent=1, ensure_ascii=False)
     replace_text(directory / PICTURES / PICTURE_LIST, text + "\n")
 
@@ -209,7 +189,7 @@ def lacks_pictures(directory: Path) -> bool:
     require_stored(folder / PICTURE_LIST)
     try:
         listed = json.loads((folder / PICTURE_LIST).read_text(encoding="utf-8"))
-        files = [each["file"] for each in (*listed["pictures"], *listed.get("files", ()))]
+        files = [each["file"] for each in listed["pictures"]]
         return not all((folder / Path(file).name).exists() for file in files)
     except DAMAGED:
         return False
@@ -235,21 +215,6 @@ class Picture:
 
 
 @dataclass(frozen=True)
-class Linked:
-    """A file to open beside the page.
-
-    Attributes:
-        title: what it shows.
-        caption: how to read it.
-        source: its place, from the page.
-    """
-
-    title: str
-    caption: str
-    source: str
-
-
-@dataclass(frozen=True)
 class Missing:
     """Pictures that could not be made, and why."""
 
@@ -262,7 +227,6 @@ class Pictures:
     """All pictures in their order."""
 
     shown: tuple[Picture, ...] = ()
-    files: tuple[Linked, ...] = ()
     missing: tuple[Missing, ...] = ()
 
 
@@ -289,10 +253,6 @@ def read_pictures(directory: Path) -> Pictures:
             )
             for each in listed["pictures"]
         )
-        files = tuple(
-            Linked(each["title"], each["caption"], f"{PICTURES}/{Path(each['file']).name}")
-            for each in listed.get("files", ())
-        )
         reasons: dict[str, list[str]] = {}
         for each in listed["missing"]:
             reasons.setdefault(each["reason"], []).append(each["title"])
@@ -300,7 +260,7 @@ def read_pictures(directory: Path) -> Pictures:
     except DAMAGED as error:
         found = f"no key {error}" if isinstance(error, KeyError) else str(error)
         raise OutputError(f"{path}: expected a list of pictures, found: {found}") from error
-    return Pictures(shown, files, missing)
+    return Pictures(shown, missing)
 
 
 def _data_uri(path: Path) -> str:
@@ -309,12 +269,11 @@ def _data_uri(path: Path) -> str:
 
 
 def draw_in_child(
-    task: str, directory: Path, files: Sequence[str], timeout: float = TIMEOUT
+    directory: Path, files: Sequence[str], timeout: float = TIMEOUT
 ) -> dict[str, dict[str, Any]]:
-    """Let `fretfe.report.pictures.render` draw some files.
+    """Let `fretfe.report.pictures.render` draw some pictures.
 
     Args:
-        task: which function of it does that.
         directory: results folder.
         files: what to draw.
         timeout: seconds.
@@ -328,7 +287,7 @@ def draw_in_child(
         rest = [file for file in files if file not in reports]
         if rest:
             module = [sys.executable, "-P", "-m", "fretfe.report.pictures.render"]
-            found, reason = _run([*launcher, *module, task, str(directory), *rest], timeout)
+            found, reason = _run([*launcher, *module, str(directory), *rest], timeout)
             reports |= found
     return {file: reports.get(file, {"reason": reason}) for file in files}
 

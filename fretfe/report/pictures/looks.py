@@ -31,7 +31,7 @@ MOST_EDGES = 6
 MOST_CONTACTS = 4
 STRESS = "Stress in the bodies at the load extremes"
 
-Kind = Literal["bodies", "edges", "status", "surface", "cycle", "scene"]
+Kind = Literal["bodies", "edges", "status", "surface"]
 # Of the area that is shown, or of the volume around the contact of solids, per cent that stay below
 # the last colour.
 BODIES_PERCENTAGE = 99.8
@@ -131,13 +131,7 @@ def _plan_solids(run: Result) -> list[Wanted]:
         Wanted(f"contact{mark}.png", f"Contact {name}", "surface", states, contacts=(name,))
         for mark, _, (name,) in _chunks(names, 1)
     ]
-    moved = max(run.contacts, key=lambda each: float(np.ptp(each.shear_force, axis=0).max()))
-    return [
-        Wanted("stress.png", STRESS, "bodies", states),
-        *surfaces,
-        Wanted("cycle.gif", f"Cycle of the contact {moved.name}", "cycle", (), (), (moved.name,)),
-        Wanted("bodies.gltf", "Bodies with their stress as a scene", "scene", states[-1:]),
-    ]
+    return [Wanted("stress.png", STRESS, "bodies", states), *surfaces]
 
 
 def _plan_plane(run: Result) -> list[Wanted]:

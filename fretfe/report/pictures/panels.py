@@ -116,7 +116,6 @@ def panels(
     aspect: float,
     *,
     columns: int | None = None,
-    width: float = PICTURE_WIDTH,
 ) -> tuple[Figure, list[Axes]]:
     """A picture with empty panels, read like a text.
 
@@ -124,11 +123,10 @@ def panels(
         count: number of panels.
         aspect: height of a panel over its width.
         columns: of panels; None for as many as make the panels large and the picture low.
-        width: of the picture in inches, at most.
     """
-    columns = columns or _columns(count, aspect, width)
+    columns = columns or _columns(count, aspect)
     rows = -(-count // columns)
-    figure = Figure(figsize=(width, PICTURE_HEIGHT), dpi=PICTURE_DPI, layout="constrained")
+    figure = Figure(figsize=(PICTURE_WIDTH, PICTURE_HEIGHT), dpi=PICTURE_DPI, layout="constrained")
     axes = list(figure.subplots(rows, columns, squeeze=False).ravel())
     for each in axes:
         few_ticks(each)
@@ -137,12 +135,12 @@ def panels(
     return figure, axes[:count]
 
 
-def _columns(count: int, aspect: float, width: float) -> int:
+def _columns(count: int, aspect: float) -> int:
     """Number of columns with the largest panels; a low picture is better than slightly larger."""
     sizes = {}
     for columns in range(1, count + 1):
         height = PICTURE_HEIGHT / -(-count // columns) - TEXTS
-        sizes[columns] = min(width / columns - TEXTS, height / aspect)
+        sizes[columns] = min(PICTURE_WIDTH / columns - TEXTS, height / aspect)
     good = [each for each, size in sizes.items() if size > SLIGHTLY * max(sizes.values())]
     return min(good, key=lambda each: -(-count // each) * (sizes[each] * aspect + TEXTS))
 

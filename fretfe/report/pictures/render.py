@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Pictures of the stress in the bodies, drawn where OpenGL works.
 
-`python -m fretfe.report.pictures.render TASK DIR FILE ...` is a process of its own: where OpenGL
+`python -m fretfe.report.pictures.render DIR FILE ...` is a process of its own: where OpenGL
 does not work VTK does not raise errors but ends the process. Each file is reported on standard
 output, as a line of JSON, once it is written. The stress is that at the load extremes, and enlarged
 at the contact edges; solids are drawn as a whole, and cut open at a contact.
@@ -19,12 +19,11 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL.Image import Image
 
 from fretfe.environment import memory_shortage, missing_package
 from fretfe.errors import FretfeError
 from fretfe.faults import said, trace_of
-from fretfe.files import disk_reason, replacing
+from fretfe.files import disk_reason
 from fretfe.history.solution import OPEN
 from fretfe.report.pictures.fields import BodyField, Fields, Scene, open_fields
 from fretfe.report.pictures.looks import (
@@ -49,7 +48,6 @@ from fretfe.report.pictures.panels import (
     name_axes,
     panel_pixels,
     panels,
-    pixels,
     save_png,
     set_limits,
     settle,
@@ -57,8 +55,6 @@ from fretfe.report.pictures.panels import (
 )
 from fretfe.report.plotting import Axes, Figure, Normalize, ScalarMappable, mpl
 from fretfe.report.source import (
-    cycle_states,
-    extremes,
     folder_of,
     loading,
     state_title,
@@ -68,13 +64,10 @@ from fretfe.report.source import (
 from fretfe.report.texts import direction_text, number, rounded
 from fretfe.report.theme import (
     COLOURS,
-    DURATION,
     ELEMENTS,
-    FRAME_WIDTH,
     FRAMED,
     HALO,
     OUTLINE,
-    PICTURE_WIDTH,
     UNDEFORMED,
     VERMILLION,
 )
@@ -85,10 +78,8 @@ ARROW: dict[str, Any] = {"arrowstyle": "->", "lw": 1.0, "path_effects": HALO}
 
 
 @mpl.rc_context(FRAMED)
-def draw_bodies(
-    source: Fields, states: Sequence[int], look: Look, scene: Scene, width: float = PICTURE_WIDTH
-) -> Figure:
-    """All bodies at some states, at most `width` inches wide.
+def draw_bodies(source: Fields, states: Sequence[int], look: Look, scene: Scene) -> Figure:
+    """All bodies at some states.
 
     One panel each; of solids one column, as a whole above cut open.
     """
@@ -96,7 +87,7 @@ def draw_bodies(
     shown = [(view, state) for view in look.views for state in states]
     aspect = look.views[0].aspect
     columns = None if source.dimension == 2 else len(states)
-    figure, axes = panels(len(shown), aspect, columns=columns, width=width)
+    figure, axes = panels(len(shown), aspect, columns=columns)
     for panel, (view, state) in zip(axes, shown, strict=True):
         set_limits(panel, view)
         if isinstance(view, View):
@@ -300,15 +291,6 @@ def _draw_picture(source: Fields, wanted: Wanted) -> dict[str, Any]:
     if not states:
         return report
     path = folder_of(source.run) / PICTURES / wanted.file
-    if wanted.kind == "scene":
-        look = _export(source, states[-1], path)
-        unit = source.run.case.units.stress
-        caption = (
-            f"The bodies at {when(source.run, states[-1])} with von Mises stress from 0 to "
-            f"{look.limit:g} {unit}, displacements × {look.scale:g}: glTF, for ParaView, Blender "
-            "and viewers in a browser."
-        )
-        return {**report, "caption": caption}
     if wanted.kind == "bodies":
         look = find_look(source, states)
         scene = Scene(look.limit)
@@ -322,75 +304,10 @@ def _draw_picture(source: Fields, wanted: Wanted) -> dict[str, Any]:
     return {**report, "caption": caption, "width": width, "height": height}
 
 
-def draw_animation(directory: Path, files: list[str]) -> None:
-    """Draw the evaluated cycle as a GIF file.
-
-    Args:
-        directory: results folder.
-        files: the one to write.
-    """
-    source = open_fields(directory)
-    states = cycle_states(source.run)
-    found = len(source.available(states))
-    if found < len(states):
-        reason = (
-            f"expected fields of all {len(states)} states of the cycle, found {found}: run the "
-            "case with 'fields = \"all\"' in its table [output]"
-        )
-        print(json.dumps({"file": files[0], "reason": reason}), flush=True)
-        return
-    look = find_look(source, extremes(source.run))
-    scene = Scene(look.limit)
-    frames = []
-    for state in states:
-        frames.append(pixels(draw_bodies(source, [state], look, scene, FRAME_WIDTH), COLOURS))
-        source.forget()
-    scene.close()
-    duration = round(DURATION / len(frames))
-    _report(files[0], partial(_write_frames, Path(files[0]), frames, duration))
-
-
-def _write_frames(path: Path, frames: Sequence[Image], duration: int) -> dict[str, Any]:
-    with replacing(path, path.suffix) as new:
-        frames[0].save(new, save_all=True, append_images=frames[1:], duration=duration, loop=0)
-    return {}
-
-
-def export_scene(directory: Path, files: list[str]) -> None:
-    """Write the bodies at the last state as a glTF file.
-
-    Args:
-        directory: results folder.
-        files: the one to write.
-    """
-    source = open_fields(directory)
-    states = source.available(range(len(source.run.loads.times)))
-    if not states:
-        print(json.dumps({"file": files[0], "reason": "there are no fields"}), flush=True)
-        return
-
-    def write() -> dict[str, Any]:
-        look = _export(source, states[-1], Path(files[0]))
-        return {"scale": look.scale, "limit": look.limit}
-
-    _report(files[0], write)
-
-
-def _export(source: Fields, state: int, path: Path) -> Look:
-    """Write the bodies at a state as a glTF file, and return their look."""
-    look = find_look(source, [state])
-    scene = Scene(look.limit)
-    scene.export(source.bodies(state), look.scale, path)
-    scene.close()
-    return look
-
-
-TASKS = {"pictures": draw_pictures, "animation": draw_animation, "scene": export_scene}
-
 # Before 0.45 PyVista says so where VTK then ends the process; that is found out without it.
 NO_DISPLAY = r"\s*This system does not appear to be running an xserver"
 
 
 if __name__ == "__main__":
     warnings.filterwarnings("ignore", NO_DISPLAY)
-    TASKS[sys.argv[1]](Path(sys.argv[2]), sys.argv[3:])
+    draw_pictures(Path(sys.argv[1]), sys.argv[2:])

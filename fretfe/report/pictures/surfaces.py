@@ -1,18 +1,13 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip, and the fronts.
-
-Animations show them through the evaluated cycle.
-"""
+"""Pictures of the contact surfaces of solids: pressure, shear, stick and slip, and the fronts."""
 
 from __future__ import annotations
 
-import io
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-from PIL import Image
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
@@ -23,7 +18,6 @@ from fretfe.report.pictures.panels import (
     name_axes,
     panel_inches,
     panels,
-    pixels,
     settle,
 )
 from fretfe.report.pictures.unroll import Unrolled, unroll
@@ -38,9 +32,9 @@ from fretfe.report.plotting import (
     Triangulation,
     mpl,
 )
-from fretfe.report.source import cycle_states, state_title, times_text
+from fretfe.report.source import state_title, times_text
 from fretfe.report.texts import direction_text, number, rounded
-from fretfe.report.theme import COLOURS, DURATION, FRAME_WIDTH, FRAMED, HALO, PALE, VERMILLION
+from fretfe.report.theme import COLOURS, FRAMED, HALO, PALE, VERMILLION
 from fretfe.results.field_files import in_space
 from fretfe.results.model import Result
 
@@ -73,10 +67,6 @@ LINES: dict[str, dict[str, Any]] = {
     "edge of stick": {"colors": "black", "linewidths": 1.2, "linestyles": "--"},
 }
 FILLS = {SLIP: STATUS[SLIP]["color"], STICK: STATUS[STICK]["color"], OPEN: PALE}
-# Dots per inch of a frame; frames and bytes at most.
-FRAME_DPI = 160
-MOST_FRAMES = 60
-MOST_BYTES = 2_000_000
 
 
 def front_handles(fronts: Sequence[Front]) -> list[Line2D]:
@@ -384,59 +374,3 @@ def reading(sheet: Sheet) -> str:
         "Solid line: border of the contact; dashed: "
         "border of its part that sticks."
     )
-
-
-def cycle_frames(run: Result) -> list[int]:
-    """States of the evaluated cycle, or of everything, to be drawn; none if some are not kept."""
-    states = cycle_states(run)
-    if not run.solution.keeps(states[0], states[-1]):
-        return []
-    return _thinned(states, MOST_FRAMES)
-
-
-def _thinned(states: Sequence[int], most: int) -> list[int]:
-    """As many of the states at most, evenly."""
-    if len(states) <= most:
-        return list(states)
-    return [states[round(place)] for place in np.linspace(0, len(states) - 1, most)]
-
-
-@mpl.rc_context(FRAMED)
-def draw_cycle(run: Result, name: str) -> tuple[bytes, str]:
-    """Pressure, shear and stick of a contact as a GIF file, and the caption."""
-    states = cycle_frames(run)
-    sheet = lay_out(run, name, states)
-    images = _frames(sheet, states)
-    data = _encoded(images)
-    # Frames take about the same room each.
-    while len(data) > MOST_BYTES and len(images) > 2:
-        images = [images[i] for i in _thinned(range(len(images)), len(images) // 2)]
-        data = _encoded(images)
-    what = "the evaluated cycle" if run.loads.cycle else "the whole history"
-    return data, f"Pressure and shear in {what}, {len(images)} states. {reading(sheet)}"
-
-
-def _frames(sheet: Sheet, states: Sequence[int]) -> list[Image.Image]:
-    figure, (panel,) = panels(1, sheet.aspect, width=FRAME_WIDTH)
-    figure.set_dpi(FRAME_DPI)
-    frame(panel, sheet)
-    panel.set_title(frame_title(sheet, states[0]))
-    finish(figure, [panel], sheet, [])
-    images = []
-    for state in states:
-        for artist in list(panel.collections):
-            artist.remove()
-        panel.set_title(frame_title(sheet, state))
-        draw_pressure(panel, sheet, state)
-        images.append(pixels(figure, COLOURS))
-    return images
-
-
-def _encoded(images: Sequence[Image.Image]) -> bytes:
-    first, *rest = images
-    buffer = io.BytesIO()
-    duration = round(DURATION / len(images))
-    first.save(
-        buffer, "GIF", save_all=True, append_images=rest, duration=duration, loop=0, optimize=True
-    )
-    return buffer.getvalue()
