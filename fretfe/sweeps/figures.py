@@ -20,7 +20,6 @@ from fretfe.report.plotting import Axes, Figure, mpl
 from fretfe.report.texts import number
 from fretfe.report.theme import (
     BLUE,
-    COLOURS,
     CYCLE,
     GREY,
     MARKERS,
@@ -35,14 +34,12 @@ from fretfe.results.quantities import EDGES, SOLIDS, axis_label, unit
 Record = Mapping[str, Any]
 Edge = tuple[str, str]
 
-LARGEST_DIMENSION = 2
-
 
 def write_sweep(path: Path, keys: Sequence[str], records: Sequence[Record], units: Units) -> bool:
-    """Draw ΔK_T and the slip-zone length of every edge over one or two keys.
+    """Draw ΔK_T and the slip-zone length of every edge over a key.
 
     The length is the longer one of the last two slip zones; what the edge factors predict for it
-    is dashed. Over more keys, and of `Points` with two, ΔK_T over each key and its effects.
+    is dashed. Over more keys, ΔK_T over each key and its effects.
 
     Args:
         path: picture to write.
@@ -54,17 +51,11 @@ def write_sweep(path: Path, keys: Sequence[str], records: Sequence[Record], unit
         Whether there is a picture: not without numbers.
     """
     solved = [record for record in records if "edge" in record]
-    points = {tuple(_hashable(each[key]) for key in keys) for each in records}
-    combined = math.prod(len(set(values)) for values in zip(*points, strict=True))
     if not solved:
         return False
     with mpl.rc_context(STYLE):
-        if len(keys) > LARGEST_DIMENSION or len(points) < combined:
-            figure = _draw_effects(keys, solved, units)
-        elif len(keys) == 1:
-            figure = _draw_lines(keys[0], solved, _labels(units))
-        else:
-            figure = _draw_maps(keys, solved, _edges(solved), _labels(units))
+        one = len(keys) == 1
+        figure = _draw_lines(keys[0], solved, units) if one else _draw_effects(keys, solved, units)
         save_figure(figure, path)
     return True
 
@@ -74,10 +65,6 @@ def _edges(records: Sequence[Record]) -> list[Edge]:
     return list(
         dict.fromkeys((str(each["contact"]), str(each.get("edge", ""))) for each in records)
     )
-
-
-def _labels(units: Units) -> tuple[str, str]:
-    return axis_label("k_t_range", units, solid=False), f"slip zone d [{units.length}]"
 
 
 def _longer_slip(record: Record, name: str = "slip") -> float:
@@ -99,7 +86,8 @@ def _hashable(value: Any) -> Any:
     return value if isinstance(value, int | float | str | bool) else str(value)
 
 
-def _draw_lines(key: str, records: Sequence[Record], labels: tuple[str, str]) -> Figure:
+def _draw_lines(key: str, records: Sequence[Record], units: Units) -> Figure:
+    labels = axis_label("k_t_range", units, solid=False), f"slip zone d [{units.length}]"
     places, names = _places(records, key)
     figure = Figure(figsize=(2 * WIDTH, SINGLE), layout="constrained")
     panels = figure.subplots(1, 2)
@@ -124,52 +112,6 @@ def _finish_axis(panel: Axes, key: str, names: list[str], label: str) -> None:
     panel.set_ylim(0, 1.05 * panel.get_ylim()[1])
     if names:
         panel.set_xticks(range(len(names)), names)
-
-
-def _draw_maps(
-    keys: Sequence[str], records: Sequence[Record], edges: list[Edge], labels: tuple[str, str]
-) -> Figure:
-    figure = Figure(figsize=(2 * WIDTH, SINGLE * len(edges)), layout="constrained")
-    rows = figure.subplots(len(edges), 2, squeeze=False)
-    quantities = (lambda record: record["k_t_range"], _longer_slip)
-    for edge, panels in zip(edges, rows, strict=True):
-        own = [each for each in records if (each["contact"], each["edge"]) == edge]
-        for panel, label, quantity in zip(panels, labels, quantities, strict=True):
-            values = {
-                (_hashable(each[keys[0]]), _hashable(each[keys[1]])): quantity(each) for each in own
-            }
-            image = _draw_map(panel, keys, [_places(records, key) for key in keys], values)
-            figure.colorbar(image, ax=panel, label=label)
-            panel.set_title(" ".join(edge))
-    return figure
-
-
-def _draw_map(
-    panel: Axes,
-    keys: Sequence[str],
-    axes: Sequence[tuple[dict[Any, float], list[str]]],
-    values: Mapping[tuple[Any, Any], float],
-) -> Any:
-    """A cell for each combination, around its values; empty where there is no number."""
-    (across, across_names), (up, up_names) = axes
-    grid = np.array([[values.get((x, y), np.nan) for x in across] for y in up])
-    borders = [_borders(np.array(list(places.values()))) for places in (across, up)]
-    image = panel.pcolormesh(*borders, np.ma.masked_invalid(grid), cmap=COLOURS)
-    panel.set_xlabel(keys[0])
-    panel.set_ylabel(keys[1])
-    if across_names:
-        panel.set_xticks(range(len(across_names)), across_names)
-    if up_names:
-        panel.set_yticks(range(len(up_names)), up_names)
-    return image
-
-
-def _borders(centres: Array) -> Array:
-    """(n + 1,) borders of cells half way between n increasing centres."""
-    if len(centres) == 1:
-        return np.array([centres[0] - 0.5, centres[0] + 0.5])
-    middle = (centres[1:] + centres[:-1]) / 2
-    return np.concatenate([[2 * centres[0] - middle[0]], middle, [2 * centres[-1] - middle[-1]]])
 
 
 @dataclass(frozen=True)

@@ -218,7 +218,7 @@ def ramp(force: float) -> dict[str, Any]:
         ({"friction": (0.4,), "amplitude": (20,), "radius": (50, 60)}, True),
         ({"friction": (0.01, 0.02)}, False),
     ],
-    ids=["line", "one value", "text", "map with holes", "map with text", "three keys", "failed"],
+    ids=["line", "one value", "text", "two keys", "two keys with text", "three keys", "failed"],
 )
 def test_picture(tmp_path: Path, ranges: dict[str, Any], drawn: bool) -> None:
     sweep, path = swept(**ranges), tmp_path / "sweep.png"
