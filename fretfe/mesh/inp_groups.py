@@ -99,8 +99,10 @@ def read_inp(
         rows = ([place[n] for n in facet.nodes] for facet in facets)
         outside[name] = _blocks(rows, dimension - 1)
     require(deck, dimension, uses, groups.key, lambda label: groups.reaches(label, inside))
+    # a case has what these say in its tables
+    in_case = {card.keyword for card in deck.analysis if card.word in ANALYSIS}
     notes = (
-        *unused(path, deck, cells.keys() | groups.used, _translated(deck)),
+        *unused(path, deck, cells.keys() | groups.used, in_case),
         *_material_notes(path, deck, bodies, members),
     )
     return complete(RawMesh(points, dimension, named, outside, notes))
@@ -118,11 +120,6 @@ def _inside(
         points, _ = upright(points, np.array(own))
     near = distances(part, points) <= part.radius
     return {number for number, index in place.items() if near[index]}
-
-
-def _translated(deck: Deck) -> set[str]:
-    """Keywords that become a case of its own, which has them in its tables."""
-    return {card.keyword for card in deck.analysis if card.word in ANALYSIS}
 
 
 def unused(path: Path, deck: Deck, used: Set[int], read: Set[str] = frozenset()) -> Iterator[str]:

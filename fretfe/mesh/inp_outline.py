@@ -77,7 +77,8 @@ def _lines(
     found: Proposal,
 ) -> Iterator[str]:
     """The case file."""
-    facets = _of_kind(deck, FACET_ELEMENTS[dimension])
+    of_facets = FACET_ELEMENTS[dimension].match
+    facets = {number for number, (kind, _) in deck.elements.items() if of_facets(kind)}
     names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
     if deck.title:
         yield from (f"title = {_quoted(deck.title)}", "")
@@ -186,11 +187,6 @@ def _tables(tables: Mapping[str, Mapping[str, Mapping[str, Any]]]) -> Iterator[s
             yield ""
             yield f"[{kind}.{name}]"
             yield from (f"{key} = {_toml(value)}" for key, value in table.items())
-
-
-def _of_kind(deck: Deck, kinds: re.Pattern[str]) -> set[int]:
-    """Numbers of the elements of some kinds."""
-    return {number for number, (kind, _) in deck.elements.items() if kinds.match(kind)}
 
 
 def _bodies(deck: Deck, cells: Set[int]) -> list[str]:

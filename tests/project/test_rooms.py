@@ -40,7 +40,7 @@ ROOM_LINES = {
     "local": 740,
     "matching": 1125,
     "materials": 237,
-    "mesh": 5629,
+    "mesh": 5627,
     "quality": 2212,
     "report": 4202,
     "results": 1729,
