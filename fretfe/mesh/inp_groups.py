@@ -332,9 +332,10 @@ class Groups:
         return frozenset((each.element, each.side) for each in self._found(label)) or label
 
     def reaches(self, label: str, nodes: Set[int]) -> bool:
-        """True if a surface or set has one of some nodes."""
-        own = {node for facet in self._found(label) for node in facet.nodes}
-        return not nodes.isdisjoint(own or self._deck.nodes_at(label))
+        """True if a surface or set has one of some nodes; of an unknown one it may have."""
+        found = {node for facet in self._found(label) for node in facet.nodes}
+        own = found or self._deck.nodes_at(label)
+        return not own or not nodes.isdisjoint(own)
 
     def _found(self, label: str) -> list[Facet]:
         """The facets of a boundary; none where it is no boundary."""

@@ -79,7 +79,9 @@ def _lines(
     """The case file."""
     of_facets = FACET_ELEMENTS[dimension].match
     facets = {number for number, (kind, _) in deck.elements.items() if of_facets(kind)}
-    names = {label: _name(label, number) for number, label in enumerate(labels, start=1)}
+    # those of the file in small letters, if a case may have them
+    names = {label: label.lower() if NAME.match(label) else f"body{number}"
+             for number, label in enumerate(labels, start=1)}  # fmt: skip
     if deck.title:
         yield from (f"title = {_quoted(deck.title)}", "")
     if dimension == 2:
@@ -203,11 +205,6 @@ def _bodies(deck: Deck, cells: Set[int]) -> list[str]:
 def _quoted(text: str) -> str:
     """A string of TOML, which are those of JSON."""
     return json.dumps(text, ensure_ascii=False)
-
-
-def _name(label: str, number: int) -> str:
-    """A name in a case: that of the file in small letters, if a case may have it."""
-    return label.lower() if NAME.match(label) else f"body{number}"
 
 
 def _body(deck: Deck, name: str, members: list[int]) -> Iterator[str]:

@@ -56,6 +56,7 @@ def test_sectors_by_any_name_of_their_sides(tmp_path: Path, sides: tuple[str, st
     ("lines", "uses", "reason"),
     [
         (TIE, Uses([("FACE", "HEAD")]), "*TIE of FACE and PAD, which the case does not tie"),
+        ("*TIE, NAME=T\nNONE, NOR\n", NOTHING, "*TIE of NONE and NOR, which the case does not tie"),
         (CYCLIC, NOTHING, 'boundary2 = "S_R" and sectors = 12, found none'),
         (CYCLIC, Uses([("S_L", "S_R")]), "and sectors = 12, found none"),
         (CYCLIC, Uses(sectors={("S_L", "S_R"): 10}), "and sectors = 12, found sectors = 10"),
