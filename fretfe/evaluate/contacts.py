@@ -619,8 +619,7 @@ class Station(StationHistory):
             return self.k_range, self.k_range_spread
         # Where the edge was in a step is no matter for what it remembers.
         share = replace(self.k_range_parts, moved=0.0).total / (self.k_range or math.nan)
-        scale = max(self.equivalent_range, self.k_range)
-        spread = math.hypot(share, 2 * self.apart) * scale
+        spread = share * max(self.equivalent_range, self.k_range)
         return self.equivalent_range, math.hypot(spread, self.equivalent_misheld)
 
     @property
@@ -636,20 +635,20 @@ class Station(StationHistory):
 
     @property
     def undriven(self) -> bool:
-        """True if the range of (K_T, K_S) is zero within its error bar, and that drives nothing.
+        """True if the range that slip follows is zero within its bar, and that drives nothing.
 
         As where P alone varies, or by round-off.
         """
         scale = self.friction * float(np.nanmax(np.abs(self.k_i), initial=0.0))
-        found, most = self.k_range, self.k_range + self.k_range_spread
-        return found <= max(self.k_range_spread, ROUND_OFF * scale) and most <= NOTHING * scale
+        size, spread = self.driven_range
+        return size <= max(spread, ROUND_OFF * scale) and size + spread <= NOTHING * scale
 
     @property
     def told_range(self) -> tuple[float, float]:
-        """The range to tell with its error bar: 0, and all of (K_T, K_S), if undriven."""
-        if self.undriven:
-            return 0.0, self.k_range + self.k_range_spread
+        """The range to tell with its error bar: 0, and all of it, if undriven."""
         size, spread = self.driven_range
+        if self.undriven:
+            return 0.0, size + spread
         # Where nothing slips the sum of the increments tells how much the bar is.
         told = math.isfinite(reported(max(size, self.k_range), spread))
         return size if told else math.nan, spread

@@ -77,8 +77,8 @@ class EdgeMemory:
     Attributes:
         station: its history.
         friction: (T,) coefficient in the step that ends at each state.
-        stiffening: relative growth of dP/da with the half-width; NaN where it is not known.
-        places: where the edge stands, if its history knows that exactly.
+        places: behind the edge.
+        gained: (T,) what the edge has gained of its hold at its place in each state.
         begin: state from which on it is followed.
         last: state up to which it is.
         rubbed: whether something may be locked in at the beginning.
@@ -86,8 +86,8 @@ class EdgeMemory:
 
     station: StationHistory
     friction: Array
-    stiffening: float
-    places: Places | None
+    places: Places
+    gained: Array
     begin: int
     last: int
     rubbed: bool
@@ -100,6 +100,7 @@ class EdgeMemory:
         last: int,
         stiffening: float = math.nan,
         half_width: float = math.nan,
+        exact: bool = False,
     ) -> EdgeMemory | None:
         """Follow an edge; None where its factors are not known, or there is no friction.
 
@@ -108,7 +109,8 @@ class EdgeMemory:
             friction: (T,) coefficient in the step that ends at each state.
             last: state up to which it is followed.
             stiffening: relative growth of dP/da with the half-width.
-            half_width: of the contact in the state `last` of the station, if places are exact.
+            half_width: of the contact in the state `last` of the station.
+            exact: whether its hold is known as well as its positions.
         """
         inside = slice(0, last + 1)
         hold, shear = station.hold[inside], station.shear[inside]
@@ -117,12 +119,12 @@ class EdgeMemory:
         begin = max(int(lost[-1]) + 1 if len(lost) else 0, int(np.argmax(friction > 0)) - 1)
         if begin >= last or not friction[begin + 1 : last + 1].any():
             return None
-        exact = math.isfinite(half_width)
+        places = places_of(station, last, half_width, exact, stiffening)
         return cls(
             station=station,
             friction=friction,
-            stiffening=stiffening,
-            places=places_of(station, half_width, last) if exact else None,
+            places=places,
+            gained=places.gain(-station.inward * station.position),
             begin=begin,
             last=last,
             rubbed=bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0,
@@ -135,7 +137,10 @@ class EdgeMemory:
         fine: dict[str, Any] = {name: path.refined(getattr(station, name)) for name in names}
         fine |= {"slid": path.repeated(station.slid), "last": path.instant(station.last)}
         station, last, begin = replace(station, **fine), len(friction) - 1, path.instant(self.begin)
-        return replace(self, station=station, friction=friction, begin=begin, last=last)
+        gained = path.refined(self.gained)
+        return replace(
+            self, station=station, friction=friction, gained=gained, begin=begin, last=last
+        )
 
     @cached_property
     def _made(self) -> tuple[Array, Array] | None:
@@ -188,11 +193,7 @@ class EdgeMemory:
         return self._followed(at_once=True)
 
     def length(self, state: int, front: float) -> float:
-        """Length from the edge in a state to the place of another hold; NaN if that is not known.
-
-        Between finite bodies to second order: what is left of the hold is (1 - b d/2) K_N d/(2 u)
-        with the relative stiffening b.
-        """
+        """Length from the edge in a state to the place of a hold; NaN if that is not known."""
         if not front < self.hold[state]:
             return 0.0
         if front <= 0.0:
@@ -201,14 +202,9 @@ class EdgeMemory:
 
     def _inward(self, state: int, inner: float) -> float:
         """Length from the edge in a state to where it stands on another hold."""
-        station, hold = self.station, float(self.station.hold[state])
-        if self.places is not None:
-            return max(self.places.at(inner) - self.places.at(hold), 0.0)
-        straight = 2 * float(station.unit[state]) * (hold - inner) / float(station.k_n[state])
-        bent = self.stiffening * straight
-        if not abs(bent) > 0:  # NaN included
-            return straight
-        return straight * (1 - math.sqrt(1 - 2 * bent)) / bent if 2 * bent < 1 else math.nan
+        gained = float(self.gained[state])
+        less = float(self.station.hold[state]) - inner
+        return max(self.places.at(gained) - self.places.at(gained - less), 0.0)
 
     @cached_property
     def _phases(self) -> list[tuple[int, int]]:
@@ -300,13 +296,9 @@ class EdgeMemory:
 
         So they do between finite bodies that slip.
         """
-        if self.places is not None:
-            return 0.0
-        station, ends = self.station, [half.start, half.end]
-        slope = float(np.mean(2 * station.unit[ends] / station.k_n[ends]))
-        moved = -station.inward * float(np.diff(station.position[ends])[0])
-        missed = moved - slope * float(np.diff(station.hold[ends])[0])
-        return float(self.friction[half.end] * station.k_n[half.end]) * abs(missed)
+        ends = [half.start, half.end]
+        missed = float(np.diff(self.gained[ends] - self.station.hold[ends])[0])
+        return 2 * float(self.friction[half.end] * self.station.unit[half.end]) * abs(missed)
 
     @property
     def sure(self) -> bool:
@@ -407,19 +399,45 @@ class EdgeMemory:
 
     def _half(self, start: int, turn: int, way: int) -> HalfCycle:
         """A half cycle with the state in which its zone is told."""
-        states = np.arange(start + 1, turn + 1)
-        states = states[(self.slip.way[states] == way) & (self.slip.taken[states] > 0)]
-        fronts = np.minimum.accumulate(self.slip.front[states])
-        pairs = zip(states.tolist(), fronts.tolist(), strict=True)
-        ranks = np.array([_rank(self.length(*each)) for each in pairs])
+        stretches = self._stretches(start, turn, way)
+        states, fronts, begins = (np.array(each) for each in zip(*stretches, strict=True))
+        lengths = np.array([self.length(state, front) for state, front, _ in stretches])
+        known = lengths[np.isfinite(lengths)]
+        # That all slides in the end does not count if little is left of its zone by then.
+        little = len(known) > 0 and known[-1] < LEFT_BEHIND * known.max()
+        lengths = np.nan_to_num(lengths, nan=0.0 if little else math.inf)
         # In the state of the deepest place, unless the edge has left most of its zone behind then.
         end = int(np.flatnonzero(fronts <= fronts[-1])[0])
-        if ranks[end] < LEFT_BEHIND * ranks.max() or math.isinf(ranks[end]):
-            end = int(np.flatnonzero(ranks >= (1 - SAME_LENGTH) * ranks.max())[-1])
-        end = int(states[end])
-        front = self.slip.between(start, end, way).front
+        if lengths[end] < LEFT_BEHIND * lengths.max() or math.isinf(lengths[end]):
+            end = int(np.flatnonzero(lengths >= (1 - SAME_LENGTH) * lengths.max())[-1])
+        if begins[end] > begins[0]:
+            start = int(begins[end])
+        front, end = float(fronts[end]), int(states[end])
+        front = max(front, self.slip.between(start, end, way).front)
         length = self.length(end, front) if self.knows(front, start) else math.nan
         return HalfCycle(start, turn, end, way, front, length)
+
+    def _stretches(self, start: int, turn: int, way: int) -> list[tuple[int, float, int]]:
+        """States in which an edge slips one way, inner end of what has slipped so, since when.
+
+        What is uncovered meanwhile does not count any more, nor what lies behind places that have
+        been covered since and stick.
+        """
+        found, apart = [], list[tuple[float, float, int]]()  # inner and outer ends, outward
+        slips = (self.slip.way == way) & (self.slip.taken > 0)
+        for state in range(start + 1, turn + 1):
+            hold = float(self.hold[state])
+            while apart and apart[-1][0] >= hold:
+                apart.pop()
+            if apart:
+                apart[-1] = apart[-1][0], min(apart[-1][1], hold), apart[-1][2]
+            if slips[state]:
+                inner, since = float(self.slip.front[state]), state - 1
+                while apart and apart[-1][1] >= inner:
+                    inner, since = min(inner, apart[-1][0]), apart.pop()[2]
+                apart.append((inner, hold, since))
+                found.append((state, inner, since))
+        return found
 
     def knows(self, front: float, state: int) -> bool:
         """True if what has been locked in up to a place until a state is known: all has slipped."""
@@ -428,7 +446,3 @@ class EdgeMemory:
         slipped = self.slip.front[self.begin : state + 1]
         deepest = float(np.nanmin(slipped)) if np.isfinite(slipped).any() else math.inf
         return front >= deepest - BEHIND * (self.unknown - deepest)
-
-
-def _rank(length: float) -> float:
-    return length if math.isfinite(length) else math.inf

@@ -14,45 +14,64 @@ from fretfe.evaluate.contacts import ROUND_OFF, StationHistory
 
 # Slip by less than this part of the largest one is no reversal.
 TOLERANCE = 1e-6
+# Rates farther apart than that tell how they go on.
+WIDE = 1.2
 # A zone jumps where a loop closes: the part of what drives a half cycle that has to lie behind it.
 BEHIND = 1e-3
 
 
 @dataclass(frozen=True)
 class Places:
-    """Place of the edge by its hold.
+    """Places behind an edge, by the hold that it gains on its way outward from the first known one.
+
+    It gains K_N/(2 u) of it a length, with the unit factor u. That belongs to the place, whatever
+    has slipped before; it is straight between known places, as on cylinders and wedges.
 
     Attributes:
-        hold: (n,) increasing.
-        depth: (n,) inward, of the edge with that hold.
-        slope: (n,) change of the depth with the hold, -2 u/K_N with the unit factor u.
-        reach: half-width of the contact at the first of them.
+        outward: (n,) known places, increasing.
+        rate: (n,) what it gains there a length.
+        bend: change of that with the place, inward of the first one.
+        gained: (n,) what it has gained.
     """
 
-    hold: Array
-    depth: Array
-    slope: Array
-    reach: float
+    outward: Array
+    rate: Array
+    bend: float
+    gained: Array
 
-    def at(self, hold: float) -> float:
-        """Depth of the edge with a hold, a cubic curve through places and slopes.
+    @cached_property
+    def _pieces(self) -> tuple[Array, Array]:
+        """(n - 1,) rates at the inner ends of the pieces, and (n - 1,) how they change."""
+        width, rate = np.diff(self.outward), self.rate
+        # What straight lines miss of the hold where it is known, shared out.
+        share = np.diff(self.gained) / (width * (rate[:-1] + rate[1:]) / 2)
+        return share * rate[:-1], share * np.diff(rate) / width
 
-        Below the first one the half-width grows with the power of the hold that its slope tells:
-        1/2 of cylinders, 1 of wedges.
-        """
-        first = float(self.hold[0])
-        if hold < first:
-            power = -float(self.slope[0]) * first / self.reach
-            return float(self.depth[0]) + self.reach * (1 - (max(hold, 0.0) / first) ** power)
-        if len(self.hold) == 1:
-            return float(self.depth[0])
-        last = min(hold, float(self.hold[-1]))
-        low = min(int(np.searchsorted(self.hold, last, "right")) - 1, len(self.hold) - 2)
-        width = float(self.hold[low + 1] - self.hold[low])
-        part, begin = (last - float(self.hold[low])) / width, float(self.depth[low])
-        way, first, second = float(self.depth[low + 1]) - begin, *width * self.slope[low : low + 2]
-        bend = 3 * way - 2 * first - second - part * (2 * way - first - second)
-        return begin + part * (first + part * float(bend))
+    def at(self, gained: float) -> float:
+        """Place where it has gained so much; NaN beyond the middle of the contact."""
+        if not len(self.gained):
+            return math.nan
+        number, rate, bend = 0, float(self.rate[0]), self.bend
+        if gained > self.gained[0] and len(self.gained) > 1:
+            number = int(np.searchsorted(self.gained[:-1], gained, "right")) - 1
+            rate, bend = (float(each[number]) for each in self._pieces)
+        more = gained - float(self.gained[number])
+        square = rate**2 + 2 * bend * more
+        if not square >= 0:
+            return math.nan
+        return float(self.outward[number]) + 2 * more / (rate + math.sqrt(square))
+
+    def gain(self, outward: Array) -> Array:
+        """(T,) what it has gained at places (T,) between known ones."""
+        if len(self.gained) < 2:
+            return (
+                self.gained[0] + 0 * outward
+                if len(self.gained)
+                else np.full_like(outward, math.nan)
+            )
+        number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(self.outward) - 2)
+        way, (rate, bend) = outward - self.outward[number], self._pieces
+        return np.asarray(self.gained[number] + way * (rate[number] + way * bend[number] / 2))
 
 
 @dataclass(frozen=True)
@@ -170,16 +189,35 @@ class Pieces:
         return float(low[faint[-1] + 1] if len(faint) else low[0])
 
 
-def places_of(station: StationHistory, half_width: float, last: int) -> Places:
-    """Places of an edge by all states up to one, with the half-width in that of the station."""
-    states = np.arange(last + 1)
-    known = np.isfinite(station.position[states] + station.k_n[states]) & (station.hold[states] > 0)
-    states = states[known]
-    hold, unique = np.unique(station.hold[states], return_index=True)
-    states = states[unique]
-    apart = np.diff(hold, prepend=-math.inf) > TOLERANCE * float(hold.max(initial=0.0))
-    states = states[apart]
-    slope = -2 * station.unit[states] / station.k_n[states]
-    depth = station.inward * station.position[states]
-    reach = half_width + station.inward * float(station.position[station.last]) - float(depth[0])
-    return Places(hold[apart], depth, slope, reach)
+def places_of(
+    station: StationHistory, last: int, half_width: float, exact: bool, stiffening: float
+) -> Places:
+    """Places of an edge by all states up to one.
+
+    Args:
+        station: of the edge.
+        last: the last state.
+        half_width: of the contact in the state `last` of the station.
+        exact: whether its hold is known as well as its positions.
+        stiffening: relative growth of dP/da with the half-width in that state; NaN if not known.
+    """
+    every = slice(0, last + 1)
+    outward, hold = -station.inward * station.position[every], station.hold[every]
+    rate = station.k_n[every] / (2 * station.unit[every])
+    states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & (hold > 0))
+    states = states[np.argsort(outward[states], kind="stable")]
+    if len(states):
+        apart = TOLERANCE * max(float(np.ptp(outward[states])), TOLERANCE * half_width)
+        states = states[np.diff(outward[states], prepend=-math.inf) > apart]
+    outward, hold, rate = outward[states], hold[states], rate[states]
+    gained = np.append(0.0, np.cumsum(np.diff(outward) * (rate[1:] + rate[:-1]) / 2))[: len(rate)]
+    if not len(states):
+        return Places(outward, rate, 0.0, gained)
+    if exact and (np.diff(hold) > 0).all():
+        # Straight down to the middle, where nothing is left of the hold.
+        reach = half_width + float(outward[0]) + station.inward * station.position[station.last]
+        return Places(outward, rate, 2 * (rate[0] - hold[0] / reach) / reach, hold)
+    bend = stiffening * rate[0] if math.isfinite(stiffening) else 0.0
+    if rate.max() > WIDE * rate.min():
+        bend = (rate[-1] - rate[0]) / (outward[-1] - outward[0])
+    return Places(outward, rate, float(bend), gained)

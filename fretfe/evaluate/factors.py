@@ -11,8 +11,9 @@ import numpy.typing as npt
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.edges import at_length, oscillation, sliding_exponent
+from fretfe.evaluate.contacts import RangeSpread
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.load_path import STRAIGHT
+from fretfe.evaluate.load_path import STRAIGHT, LoadPath, excess
 from fretfe.history.solution import Factor
 
 # Nodes in contact that factors and useful error bars need: as many as fits to full stick.
@@ -98,6 +99,35 @@ class FactorHistories:
 
         fitted = None if self.fitted is None else turned(self.fitted)
         return replace(self, ways=turned(self.ways), fitted=fitted)
+
+    def range_spread(
+        self,
+        number: int,
+        direction: Array,
+        unresolved: list[float],
+        states: Indices,
+        path: LoadPath | None,
+    ) -> RangeSpread:
+        """Error bar of the range of (K_T, K_S) over some states, of one station.
+
+        Args:
+            number: of the station.
+            direction: (2,) of (K_T, K_S).
+            unresolved: errors by the elements, but for steps of which one end only is known.
+            states: of the evaluated cycle.
+            path: loads of the cycle between its steps, unless they are straight lines.
+        """
+        ways = along_line(self.ways[:, number], direction)
+        ranges, mean = [cycle_range(way, states) for way in ways], ways.mean(axis=0)
+        # One way alone has no spread unless it is exact.
+        alone = 0.0 if self.exact else math.nan
+        moved = [range_error(mean, e[number], states) for e in (self.one_sided, self.uneven)]
+        return RangeSpread(
+            extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
+            discretisation=float(np.linalg.norm(unresolved)),
+            steps=excess(mean, path),
+            moved=math.hypot(*moved),
+        )
 
 
 def cycle_range(history: Array, cycle: Indices) -> float:

@@ -24,7 +24,7 @@ States = Indices
 SMALLEST_SLIP = 3e-4
 # Where no node slips there is no slip zone if the formulas predict less than this fraction of the
 # distance within which no node would see it.
-HIDDEN = 1e-3
+HIDDEN = 1e-2
 # Error bar of border and front over the length of the zone, beyond which it is not resolved.
 LARGEST_SPREAD = 0.5
 
@@ -106,10 +106,8 @@ def half_cycles(
     last = memory.last
     if pressed:
         return (HalfCycle.still(max(last - 1, memory.begin), last),)
-    if irregular:
-        return memory.longest(cycle)
-    found = memory.half_cycles
-    if not len(cycle):
+    found = memory.longest(cycle) if irregular else memory.half_cycles
+    if irregular or not len(cycle):
         return found or (HalfCycle.still(memory.begin, last),)
     inside = [each for each in found if each.turn > cycle[0]]
     if not inside:
@@ -118,29 +116,6 @@ def half_cycles(
         inside, found = inside[:-1], found[:-1]
     # First loading stands beside no single half cycle of the evaluated ones.
     return found if len(inside) > 1 else tuple(inside)
-
-
-def slip_zones(
-    cycle: States,
-    friction: Array,
-    station: StationHistory,
-    find_border: FindBorder,
-    irregular: bool = False,
-) -> tuple[SlipZone, ...]:
-    """Slip zones of an edge between similar bodies in its half cycles.
-
-    Args:
-        cycle: states of the evaluated cycle.
-        friction: (T,) coefficient in the step that ends at each state.
-        station: position and factors.
-        find_border: gives the slip zone of a half cycle.
-        irregular: as of `half_cycles`.
-    """
-    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
-    if memory is None:
-        return ()
-    halves = half_cycles(cycle, memory, irregular, pressed=False)
-    return zones_of(cycle, memory, halves, find_border)
 
 
 def zones_of(
@@ -264,12 +239,6 @@ def _doubted(zone: SlipZone, spread: float, foretold: float) -> SlipZone:
     missed = abs(zone.length - zone.prediction)
     spread = max(zone.spread, missed) if math.isfinite(missed) else zone.spread
     return replace(zone, resolved=False, spread=spread)
-
-
-def in_cycle(cycle: States, station: StationHistory) -> StationHistory:
-    """The history of a station, with the first and last state that count in it."""
-    first = int(cycle[0]) if len(cycle) else -1
-    return replace(station, last=last_state(cycle, station), first=first)
 
 
 def last_state(cycle: States, station: StationHistory) -> int:

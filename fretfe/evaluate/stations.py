@@ -18,7 +18,6 @@ from fretfe.evaluate.contacts import (
     LARGEST_SPREAD,
     CountedCycles,
     Frame,
-    RangeSpread,
     SlipZone,
     Station,
     StationHistory,
@@ -34,7 +33,6 @@ from fretfe.evaluate.factors import (
     along_line,
     cycle_range,
     main_direction,
-    range_error,
     reference_length,
     reversed_share,
     sliding_apart,
@@ -43,7 +41,7 @@ from fretfe.evaluate.friction_behind import FrictionBehind
 from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
-from fretfe.evaluate.load_path import LoadPath, excess, load_path
+from fretfe.evaluate.load_path import LoadPath, load_path
 from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import (
@@ -277,8 +275,8 @@ class EdgeData(ABC):
         last, end = last_state(cycle, along), len(along.k_t) - 1
         memory = self._memory(number, along, last, stiffening)
         whole = memory if end == last else self._memory(number, along, end, stiffening)
-        parts = self.unresolved(number, direction)
-        spread = range_spread(self.factors, number, direction, parts, states, self.path)
+        unresolved = self.unresolved(number, direction)
+        spread = self.factors.range_spread(number, direction, unresolved, states, self.path)
         spread = replace(spread, layer=self.layer(number).range_error * swing)
         point, frame = self.place(number, history.decisive)
         fits, fitted = self.factors.fitted, math.nan
@@ -371,17 +369,18 @@ class EdgeData(ABC):
         self, number: int, along: StationHistory, last: int, stiffening: float
     ) -> EdgeMemory | None:
         """Memory of an edge up to a state, with K along the direction in which it varies."""
-        exact = float(self.half_widths[number]) if self.factors.exact else math.nan
-        return EdgeMemory.of(along, self.frictions[number], last, stiffening, exact)
+        width, exact = float(self.half_widths[number]), bool(self.factors.exact)
+        return EdgeMemory.of(along, self.frictions[number], last, stiffening, width, exact)
 
     def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
         """Largest half cycles of the evaluated cycle, and of the whole history."""
         found: dict[str, Any] = {}
-        if memory is not None and memory.sure and len(self.cycle) and not self.steps.dundurs:
+        if memory is not None and len(self.cycle) and not self.steps.dundurs:
             first = int(self.cycle[0])
             if (largest := memory.largest(first)) is not None:
-                found["equivalent_range"] = memory.equivalent_range(largest)
-                found["equivalent_misheld"] = memory.misheld(largest)
+                size = found["equivalent_range"] = memory.equivalent_range(largest)
+                misheld = memory.misheld(largest), memory.doubt(largest) * size
+                found["equivalent_misheld"] = math.hypot(*misheld)
             elif not memory.slips(first):
                 found["equivalent_range"] = 0.0
         largest = whole.largest() if whole is not None and whole.sure else None
@@ -444,37 +443,6 @@ class EdgeData(ABC):
             return zone
         flank = self.shear_share(number, zone.end, zone, direction, FLANK * predicted)
         return replace(zone, flank=flank)
-
-
-def range_spread(
-    factors: FactorHistories,
-    number: int,
-    direction: Array,
-    unresolved: Sequence[float],
-    cycle: Indices,
-    path: LoadPath | None,
-) -> RangeSpread:
-    """Error bar of the range of (K_T, K_S) along a direction over a cycle, of one station.
-
-    Args:
-        factors: of all stations.
-        number: of the station.
-        direction: (2,) of (K_T, K_S).
-        unresolved: errors by the elements, but for steps of which one end only is known.
-        cycle: states of the evaluated cycle.
-        path: loads of the cycle between its steps, unless they are straight lines.
-    """
-    ways = along_line(factors.ways[:, number], direction)
-    ranges, mean = [cycle_range(way, cycle) for way in ways], ways.mean(axis=0)
-    # One way alone has no spread unless it is exact.
-    alone = 0.0 if factors.exact else math.nan
-    one_sided = range_error(mean, factors.one_sided[number], cycle)
-    return RangeSpread(
-        extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
-        discretisation=float(np.linalg.norm(unresolved)),
-        steps=excess(mean, path),
-        moved=math.hypot(one_sided, range_error(mean, factors.uneven[number], cycle)),
-    )
 
 
 def _acting(friction: Array, state: int) -> float:

@@ -42,6 +42,7 @@ PARTS = {
     "layer": "the layer gives over a length E*/k that is not short against the half-width",
     "steps": "the shear may go farther between the steps: take more steps per cycle",
     "moved": "the edge moves far within steps, or is not known at an end of them",
+    "memory": "loads out of phase shear the edge while P moves it, or it moves as no load tells",
 }
 
 
@@ -120,6 +121,8 @@ def no_range(station: Station) -> str:
             "integrated"
         )
     parts, (size, spread) = asdict(station.k_range_parts), station.driven_range
+    if station.moves:
+        parts["memory"] = station.equivalent_misheld
     if not math.isfinite(spread):
         lost = " and ".join(name for name, part in parts.items() if not math.isfinite(part))
         lost = lost or "nothing to compare with"

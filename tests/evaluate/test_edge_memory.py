@@ -117,7 +117,7 @@ def cylinder(
         unit=unit, slid=zero, friction_behind=behind or FrictionBehind(),
     )  # fmt: skip
     coefficient = np.array(friction) if friction else np.full(len(load), 0.5)
-    found = EdgeMemory.of(history, coefficient, len(load) - 1, half_width=float(a[-1]))
+    found = EdgeMemory.of(history, coefficient, len(load) - 1, half_width=float(a[-1]), exact=True)
     assert found is not None
     return found
 
@@ -130,8 +130,22 @@ def test_fronts_of_half_cycles_are_exact(name: str) -> None:
     assert [each.front for each in halves] == pytest.approx(loads, abs=1e-8)
     for half in halves:
         exact = np.sqrt(p[half.end]) - np.sqrt(half.front)
-        # Between places that few states tell a cubic curve is what there is.
-        assert half.length == pytest.approx(exact, rel=0.03 if name == "P and Q" else 1e-6)
+        assert half.length == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize("states", [1, 2, 9])
+def test_places_do_not_depend_on_what_sliding_has_left_of_the_hold(states: int) -> None:
+    """Increments of the hold miss what slides; how it changes over places they tell all the same.
+
+    Of one place the growth of dP/da tells how that goes on, 1/a here.
+    """
+    loads = np.linspace(1.0, 0.3, states)[::-1]
+    station = cylinder([0, *loads, 1], [0.0] * (states + 1) + [0.1], []).station
+    shifted = replace(station, hold=np.where(station.hold > 0, station.hold + 0.7, 0.0))
+    memory = EdgeMemory.of(shifted, np.full(states + 2, 0.5), states + 1, stiffening=1.0)
+    assert memory is not None
+    for place in (0.9, 0.7, 0.4):
+        assert memory.length(states + 1, 0.7 + place**2) == pytest.approx(1 - place, rel=1e-9)
 
 
 # f over that at the edge, at distances from it over the half-width.
@@ -189,6 +203,15 @@ def test_all_of_a_contact_slips_and_turns() -> None:
     first, second = cylinder([0, 1, 1, 1], [0, 0, 0.6, 0.4], []).half_cycles
     assert np.isnan(first.length)
     assert (second.way, second.front) == (-1, pytest.approx(0.8))
+
+
+def test_the_zone_before_a_contact_slides_with_little_of_its_load() -> None:
+    """Q and P fall: the largest zone counts, not that all slips before the bodies part."""
+    p = [0, 1, 1, 0.6, 0.3, 0.1, 0.02]
+    (half,) = cylinder(p, [0, 0, 0.2, 0.12, 0.06, 0.02, 0.015], []).half_cycles
+    assert (half.end, half.length) == (2, pytest.approx(1 - np.sqrt(0.6)))
+    (sliding,) = cylinder([*p[:3], 0.9], [0, 0, 0.2, 0.46], []).half_cycles
+    assert np.isnan(sliding.length)
 
 
 def test_loops_of_p_and_q_leave_equal_zones() -> None:

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
+from cases.edge_histories import in_cycle
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import dissipation_per_cycle, slip_length_cyclic, slip_length_loop
@@ -40,7 +41,6 @@ from fretfe.evaluate.slip import (
     SlipBorder,
     cycle_states,
     half_cycles,
-    in_cycle,
     last_state,
     zones_of,
 )

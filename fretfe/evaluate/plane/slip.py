@@ -359,9 +359,9 @@ def _slip_both_ways(steps: Iterator[Array], line: Array) -> tuple[Array, Array]:
 
 
 def _slip_behind(moved: Bools) -> int | None:
-    """Innermost node that has slipped behind one that has not, but for the zone of the other edge.
+    """Innermost node that has slipped behind one that has not; None without any.
 
-    None without any. Few sticking nodes in between are none.
+    What slips beyond the middle belongs to the other edge. Few sticking nodes in between are none.
 
     Args:
         moved: (n,) nodes in contact that have slipped, from the front inward.
@@ -369,7 +369,7 @@ def _slip_behind(moved: Bools) -> int | None:
     stuck = np.flatnonzero(~moved[1:]) + 1  # the status of the outermost node means nothing
     if not len(stuck):
         return None
-    between = moved[stuck[0] : stuck[-1]]
+    between = moved[stuck[0] : min(int(stuck[-1]), len(moved) // 2)]
     if len(stuck) < FEWEST_STUCK:
         return len(moved) - 1
     return int(stuck[0] + np.flatnonzero(between)[-1]) if between.any() else None

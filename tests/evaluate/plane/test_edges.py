@@ -16,7 +16,6 @@ from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import FactorHistories
 from fretfe.evaluate.load_path import LoadPath, load_path
 from fretfe.evaluate.plane.edges import growth_with_edge, unresolved
-from fretfe.evaluate.stations import range_spread
 from fretfe.evaluate.verdicts import withheld
 from fretfe.history.solution import Factor
 
@@ -56,7 +55,7 @@ def spreads(
 ) -> tuple[RangeSpread, ...]:
     parts, direction = unresolved(each, fits(spread), ARC, CYCLE), np.array([1.0, 0.0])
     return tuple(
-        range_spread(each, number, direction, parts[number], CYCLE, path) for number in (0, 1)
+        each.range_spread(number, direction, parts[number], CYCLE, path) for number in (0, 1)
     )
 
 

@@ -14,7 +14,6 @@ from evaluate.space.test_evaluate import STATIONS, grid, hertz, solved
 from fretfe.evaluate.factors import FactorHistories
 from fretfe.evaluate.space.fronts import FrontTrack, follow_fronts
 from fretfe.evaluate.space.range_spread import WITHIN_ELEMENT, unresolved
-from fretfe.evaluate.stations import range_spread
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +46,7 @@ def test_where_integrals_have_few_elements_the_bar_holds_it(
     front.sectors = sectors
     cycle, direction = np.array([1, 2]), np.array([1.0, 0.0])
     parts = unresolved(factors, front, fit, 0, direction, cycle)
-    found = range_spread(factors, 0, direction, parts, cycle, None)
+    found = factors.range_spread(0, direction, parts, cycle, None)
     assert found.extraction == found.steps == 0.0
     # Integrals reach .4 of the radius; 4 elements are the shortest of the ways that are compared.
     radius = min(1 / front.frames.curvature[0], *front.depth)
