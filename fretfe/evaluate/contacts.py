@@ -495,7 +495,7 @@ class Station(StationHistory):
     ] = math.nan
     equivalent_misheld: Annotated[
         float,
-        Quantity("k_t", "part of its bar by edges that move otherwise than their hold tells"),
+        Quantity("k_t", "part of its bar by loads out of phase, and by how the edge moves"),
     ] = 0.0
     largest_start: Annotated[int, Quantity("", "first state of the largest half cycle of all")] = 0
     largest_end: Annotated[int, Quantity("", "state in which its zone is longest; 0 without")] = 0
