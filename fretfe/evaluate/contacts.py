@@ -350,6 +350,7 @@ class RangeSpread:
         layer: what a layer between the surfaces gives.
         moved: what the movement of the edge within steps may change, and what those contribute of
             which one end is unknown.
+        beside: what may lie in states of the cycle in which there is no edge.
     """
 
     extraction: float
@@ -357,6 +358,7 @@ class RangeSpread:
     steps: float
     layer: float = 0.0
     moved: float = 0.0
+    beside: float = 0.0
 
     @property
     def total(self) -> float:
@@ -617,9 +619,10 @@ class Station(StationHistory):
         """The range that slip follows, with its bar: the equivalent one where P moves the edge."""
         if not self.moves:
             return self.k_range, self.k_range_spread
-        # Where the edge was in a step is no matter for what it remembers.
-        share = replace(self.k_range_parts, moved=0.0).total / (self.k_range or math.nan)
-        spread = share * max(self.equivalent_range, self.k_range)
+        # Where the edge was in a step is no matter for what it remembers, nor what was without it.
+        spread = replace(self.k_range_parts, moved=0.0, beside=0.0).total
+        if self.k_range > 0:
+            spread *= max(self.equivalent_range / self.k_range, 1.0)
         return self.equivalent_range, math.hypot(spread, self.equivalent_misheld)
 
     @property

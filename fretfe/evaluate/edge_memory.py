@@ -24,14 +24,12 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.contacts import SAME_RANGE, StationHistory
 from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
 from fretfe.evaluate.load_path import LoadPath
 
 # Slip that takes less than this part of f H is none: zones of so much of the half-width.
 UNDRIVEN = 1e-5
-# Zones whose lengths differ by less than this part are equal, and the last one counts.
-SAME_LENGTH = 1e-3
 # An edge leaves a zone behind if less than this part of its largest length is left.
 LEFT_BEHIND = 0.5
 # Part of a zone at which its inner end begins.
@@ -276,7 +274,7 @@ class EdgeMemory:
         """
         known = [e for e in self.recurring if e.turn > first and math.isfinite(e.length)]
         size = max(map(self.equivalent_range, known), default=0.0)
-        equal = [e for e in known if self.equivalent_range(e) >= (1 - SAME_LENGTH) * size]
+        equal = [e for e in known if self.equivalent_range(e) >= (1 - SAME_RANGE) * size]
         return equal[-1] if size > 0 else None
 
     def slips(self, first: int) -> bool:
@@ -329,7 +327,7 @@ class EdgeMemory:
         for way, slides in itertools.product((1, -1), (True, False)):
             own = [each for each in self.recurring if each.way == way and each.end > first]
             own = [each for each in own if math.isnan(each.length) is slides]
-            least = (1 - SAME_LENGTH) * max((each.length for each in own), default=0.0)
+            least = (1 - SAME_RANGE) * max((each.length for each in own), default=0.0)
             longest = [each for each in own if slides or each.length >= least]
             found += [replace(each, start=self._since(each)) for each in longest[-1:]]
         return tuple(sorted(found, key=lambda each: each.end))
@@ -409,7 +407,7 @@ class EdgeMemory:
         # In the state of the deepest place, unless the edge has left most of its zone behind then.
         end = int(np.flatnonzero(fronts <= fronts[-1])[0])
         if lengths[end] < LEFT_BEHIND * lengths.max() or math.isinf(lengths[end]):
-            end = int(np.flatnonzero(lengths >= (1 - SAME_LENGTH) * lengths.max())[-1])
+            end = int(np.flatnonzero(lengths >= (1 - SAME_RANGE) * lengths.max())[-1])
         if begins[end] > begins[0]:
             start = int(begins[end])
         front, end = float(fronts[end]), int(states[end])

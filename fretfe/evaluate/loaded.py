@@ -30,6 +30,8 @@ UNLOADED = 0.03
 LITTLE = 0.3
 # Part of the largest P below which a contact carries nothing but round-off.
 NO_LOAD = 1e-6
+# Power of P with which K_T of a cylinder grows where P and Q do so together; of flats it is 1.
+GROWTH = 0.75
 
 
 def normal_force(contact: ContactHistory) -> Array:
@@ -195,6 +197,22 @@ def _with_edges(contact: ContactHistory, force: Array, first: int, last: int) ->
     few = contact.nodes_pressed_in(np.arange(first, last + 1)) < WANTED_NODES
     edges = (share > NO_LOAD) & ~(few & (share <= SMALL_LOAD * share.max()))
     return edges & bool(share.max() > NO_LOAD)
+
+
+def left_out(cycle: tuple[int, int] | None, states: Indices, force: Array) -> float:
+    """Range of K_T that may lie in the states of a cycle left out, over that in the others.
+
+    Args:
+        cycle: first and last state of all of it.
+        states: of its part over which the range is taken.
+        force: (T,) P.
+    """
+    if cycle is None or not len(states):
+        return 0.0
+    ends = [mine for mine, whole in zip(states[[0, -1]], cycle, strict=True) if mine != whole]
+    share = force[ends].max(initial=0.0) / force[states].max()
+    part = float(max(share, 0.0) ** GROWTH)
+    return part / max(1.0 - part, 0.1)
 
 
 def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, float]:

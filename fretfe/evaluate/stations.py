@@ -137,6 +137,10 @@ class EdgeData(ABC):
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
 
+    def beside(self, number: int, along: Array, states: Indices) -> float:
+        """Range of a factor (T,) over states that may lie in others, in which there is no edge."""
+        return 0.0
+
     @abstractmethod
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
         """Slip zones by the slip of the nodes.
@@ -277,7 +281,8 @@ class EdgeData(ABC):
         whole = memory if end == last else self._memory(number, along, end, stiffening)
         unresolved = self.unresolved(number, direction)
         spread = self.factors.range_spread(number, direction, unresolved, states, self.path)
-        spread = replace(spread, layer=self.layer(number).range_error * swing)
+        beside, layer = self.beside(number, along.k_t, states), self.layer(number).range_error
+        spread = replace(spread, layer=layer * swing, beside=beside)
         point, frame = self.place(number, history.decisive)
         fits, fitted = self.factors.fitted, math.nan
         if fits is not None:

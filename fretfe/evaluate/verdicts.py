@@ -42,6 +42,7 @@ PARTS = {
     "layer": "the layer gives over a length E*/k that is not short against the half-width",
     "steps": "the shear may go farther between the steps: take more steps per cycle",
     "moved": "the edge moves far within steps, or is not known at an end of them",
+    "beside": "what the shear does in states without the edge is unknown",
     "memory": "loads out of phase shear the edge while P moves it, or it moves as no load tells",
 }
 

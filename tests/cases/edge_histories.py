@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import SlipZone, StationHistory
-from fretfe.evaluate.edge_memory import EdgeMemory
-from fretfe.evaluate.slip import FindBorder, States, half_cycles, last_state, zones_of
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.slip import States, last_state
 
 # Hold of an edge that stands still, over the largest change of its factors.
 FAR = 1e3
@@ -50,29 +49,6 @@ def edge_history(
         unit=one,
         slid=zero,
     )
-
-
-def slip_zones(
-    cycle: States,
-    friction: Array,
-    station: StationHistory,
-    find_border: FindBorder,
-    irregular: bool = False,
-) -> tuple[SlipZone, ...]:
-    """Slip zones of an edge between similar bodies in its half cycles.
-
-    Args:
-        cycle: states of the evaluated cycle.
-        friction: (T,) coefficient in the step that ends at each state.
-        station: position and factors.
-        find_border: gives the slip zone of a half cycle.
-        irregular: as of `half_cycles`.
-    """
-    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
-    if memory is None:
-        return ()
-    halves = half_cycles(cycle, memory, irregular, pressed=False)
-    return zones_of(cycle, memory, halves, find_border)
 
 
 def in_cycle(cycle: States, station: StationHistory) -> StationHistory:

@@ -12,7 +12,7 @@ from cases.halfplane_problems import LIMIT, LOAD, problem
 from fretfe._typing import Array
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.increments import UnitFactors
-from fretfe.evaluate.loaded import decisive_state, whole_sliding
+from fretfe.evaluate.loaded import decisive_state, left_out, whole_sliding
 from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import OPEN, SLIP, ContactHistory, Solution
 
@@ -36,6 +36,17 @@ def test_the_state_that_decides(force: list[float], along: list[float], decides:
         np.array(force, dtype=float), np.array(along, dtype=float), STATES, STATES
     )
     assert found == decides
+
+
+@pytest.mark.parametrize("share", [0.01, 0.1, 0.4])
+def test_the_range_that_is_left_out_of_a_cylinder_pressed_and_sheared_in_proportion(
+    share: float,
+) -> None:
+    """K_T grows with P^(3/4), from P = 0; states from a share of P on are known."""
+    force = np.array([0.0, share, 1.0, share, 0.0])
+    k_t = force**0.75
+    found = left_out((0, 4), np.arange(1, 4), force) * np.ptp(k_t[1:4])
+    assert found == pytest.approx(k_t.max() - np.ptp(k_t[1:4]), rel=1e-12)
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,7 @@ have merged: the Cauchy integrals of both have the slope of the gap as polynomia
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import cache
@@ -176,7 +177,8 @@ def test_a_patch_that_is_there_but_for_little_load_has_its_range(lowest: float) 
     truth = 0.1 * np.trapezoid(factors, forces)
     *apart, merged = contacts
     for station in merged.stations:
-        bar = station.k_range_parts.discretisation
+        parts = station.k_range_parts
+        bar = math.hypot(parts.discretisation, parts.beside)
         assert abs(station.k_t_range - truth) < bar < 0.1 * truth
         assert not station.lack.text
     kinds = {station.lack.kind for each in apart for station in each.stations}

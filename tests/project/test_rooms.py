@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1561,
     "contact": 2287,
     "decision": 2006,
-    "evaluate": 8535,
+    "evaluate": 8566,
     "exchange": 2120,
     "fem": 4126,
     "fields": 1126,
