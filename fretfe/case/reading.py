@@ -141,7 +141,7 @@ def case_text(case: Case) -> str:
     Else the case without comments, the files that it names with their full paths, and numbers in
     place of materials and tables over temperature.
     """
-    data = _with_full_paths(case)
+    data = with_full_paths(case)
     if case.given is None and as_written(case) and data == case.as_tables():
         return case.source.read_text("utf-8-sig")
     head = ("The case as run, written by fretfe.", *case.material_notes)
@@ -156,7 +156,8 @@ def as_written(case: Case) -> bool:
         return False
 
 
-def _with_full_paths(case: Case) -> dict[str, Any]:
+def with_full_paths(case: Case) -> dict[str, Any]:
+    """The keys that are set, in plain types, and files with their full paths."""
     data = case.as_tables()
     for key, path in named_files(case).items():
         table: Any = data

@@ -25,6 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
+from fretfe.case.reading import with_full_paths
 from fretfe.environment import versions
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.contacts import Contact, SlipZone, quantities
@@ -264,7 +265,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "versions": {**versions(), **result.versions},
             "ranks": result.ranks,
             "seconds": result.seconds,
-            "case": case.as_tables(),
+            "case": with_full_paths(case),
             "limits": [
                 {**asdict(limit), "consequence": limit.consequence, "exceeded": limit.exceeded}
                 for limit in result.limits

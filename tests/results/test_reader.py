@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 from cases.pad_cases import pad
+from cases.stored_runs import CYCLE, write_run
 
 from fretfe.case import parse_case
 from fretfe.caution import Caution, Kind, Subject
@@ -136,3 +137,14 @@ def test_warnings_keep_kind_and_subject(tmp_path: Path, folder: Path) -> None:
     written(tmp_path, numbers)
     with pytest.raises(OutputError, match="'of another version' is not a valid Kind"):
         load_result(tmp_path)
+
+
+def test_files_of_the_case_are_found_from_any_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    gap = {"main": {**CYCLE["contacts"]["main"], "gap": "gap.txt"}}
+    case = parse_case({**CYCLE, "contacts": gap}, tmp_path / "here" / "case.toml")
+    folder = write_run(tmp_path / "results", "halfplane", case)
+    monkeypatch.chdir(tmp_path)
+    found = load_result(folder).case
+    assert found.resolve(found.contacts["main"].gap or "") == tmp_path / "here" / "gap.txt"
