@@ -188,8 +188,9 @@ def _of_fronts(lack: Withheld) -> str:
             )
     return (
         "the pressure falls to zero like a root at too few places of its boundary, though it has "
-        f"about {lack.found} elements over its width: it ends at roundings narrower than an "
-        "element, at sharp corners, or at far larger elements next to its boundary"
+        f"about {lack.found} elements over its width: most likely they are larger there than the "
+        "pressed part of a rounding, which fretfe check tells of bodies that sweep a section, or "
+        "than those inside; make them smaller. At a sharp corner there is no K_N"
     )
 
 

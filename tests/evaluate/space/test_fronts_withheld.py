@@ -81,7 +81,7 @@ REASONS: dict[str, tuple[Field, Lack, str]] = {
     "narrow": (hertz(0.3, 0.3), Lack.NARROW, r"about \d+ elements over its width, 14 are wanted"),
     "filled": (hertz(9.0, 9.0), Lack.NO_BORDER, "let the surfaces reach farther"),
     "corner open": (corner, Lack.CUT, r"to a length of \d+ elements, less than its width"),
-    "sharp": (punch(0.8), Lack.NO_CURVE, "narrower than an element, at sharp corners"),
+    "sharp": (punch(0.8), Lack.NO_CURVE, "At a sharp corner there is no K_N"),
 }
 
 
