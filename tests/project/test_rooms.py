@@ -23,9 +23,9 @@ BESIDE_ROOMS = {"system", "project", "campaign", "cases", "reference", "harness"
 ROOM_LINES = {
     "_core": 0,
     "analytic": 1220,
-    "backends": 476,
-    "bodies": 2720,
-    "case": 2945,
+    "backends": 514,
+    "bodies": 2746,
+    "case": 2960,
     "cli": 1561,
     "contact": 2287,
     "decision": 2006,
@@ -40,14 +40,14 @@ ROOM_LINES = {
     "local": 740,
     "matching": 1125,
     "materials": 237,
-    "mesh": 5627,
+    "mesh": 5898,
     "quality": 2212,
     "report": 4202,
     "results": 1729,
     "strength": 892,
     "surface": 1200,
     "sweeps": 564,
-    "top": 1618,
+    "top": 1621,
 }
 SLACK = 1.05
 LONGEST = 500
@@ -78,9 +78,9 @@ TOO_LONG = {
 # Plain numbers that modules name: most were found by trial, and each has to be known to be changed.
 NUMBERS = {
     "analytic": 27,
-    "backends": 9,
+    "backends": 13,
     "bodies": 39,
-    "case": 20,
+    "case": 21,
     "cli": 4,
     "contact": 57,
     "decision": 8,
@@ -95,7 +95,7 @@ NUMBERS = {
     "local": 32,
     "matching": 28,
     "materials": 6,
-    "mesh": 80,
+    "mesh": 84,
     "quality": 68,
     "report": 98,
     "results": 5,
