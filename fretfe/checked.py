@@ -27,7 +27,7 @@ from fretfe.contact.march import MOST_PARTS
 from fretfe.environment import rank_from_environment
 from fretfe.loads import History, most_added
 from fretfe.mesh.cost import Amount, BodySizes, Cost, estimate_cost, finer_model
-from fretfe.mesh.load import size_key
+from fretfe.mesh.load import section_of, size_key, sweep_of
 from fretfe.mesh.mesh import Mesh, place_text
 from fretfe.surface.checks import load_mesh
 
@@ -103,7 +103,7 @@ class Checked:
             steps += min(more, LIKELY_ADDED) * (cycle[1] - cycle[0])
         plane, along = self.mesh.dimension == 2, self.case.edges.stations
         # Sections and extrusions have two fronts; other solids two, or one that is closed.
-        fronts = len(self.pairs) * (2 if plane or self.case.geometry.solid else 1.5)
+        fronts = len(self.pairs) * (2 if plane or section_of(self.case) else 1.5)
         stations = round(fronts * (1 if plane else along))
         states = _field_states(self.case, steps, len(self.history.times) - 1)
         found = estimate_cost(self._sizes, nodes, Amount(steps, stations, states), ranks)
@@ -136,11 +136,11 @@ def _field_states(case: Case, steps: int, written: int) -> int:
 def propose(checked: Checked) -> Iterator[str]:
     """The element size for an accuracy of K_N and |ΔK| at stations of solids, and its memory.
 
-    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane, nor of
-    bodies whose stiffness is doubted.
+    The accuracy is the tolerance of the case, 3 % without one. Nothing is said in the plane, of CAD
+    sections, whose sizes follow from the tolerance, nor of bodies whose stiffness is doubted.
     """
     case, mesh = checked.case, checked.mesh
-    if mesh.dimension == 2 or any(stiffness_doubts(case)):
+    if mesh.dimension == 2 or _chooses_sizes(case) or any(stiffness_doubts(case)):
         return
     tolerance = case.edges.tolerance or PROPOSED
     sizes = []
@@ -163,6 +163,8 @@ def propose(checked: Checked) -> Iterator[str]:
         yield f"make the elements {least.size:g} {unit} long at the fronts, {why}"
     elif now <= LIKE * least.size:
         yield f"{key} = {now:g} is likely to be small enough {why}"
+    elif case.geometry.solid is None and section_of(case) is not None:
+        yield f"leave {key} = {now:g} out, and the section that the bodies sweep is refined: {why}"
     elif now > MOST_FINER * least.size:
         yield (
             f"set {key} = {least.size:g} {why}: what that takes was not looked at, as {key} is "
@@ -171,6 +173,11 @@ def propose(checked: Checked) -> Iterator[str]:
     else:
         taken = finer_model(mesh, checked.cost, case.surface_names, (now, least.size))
         yield f"set {key} = {least.size:g} {why}: {taken}"
+
+
+def _chooses_sizes(case: Case) -> bool:
+    """True if fretfe chooses the element sizes of solids before it has solved anything."""
+    return case.geometry.solid is None and sweep_of(case) is not None
 
 
 def check(case: Case) -> Checked | None:
@@ -204,6 +211,6 @@ def _first_mesh(case: Case) -> Mesh:
     if case.edges.tolerance is None:
         return load_mesh(case)
     # Imported where it is needed: with results, of which other cases know nothing.
-    from fretfe.backends.meshes import starting_mesh
+    from fretfe.backends.passes import starting_mesh
 
     return starting_mesh(case)

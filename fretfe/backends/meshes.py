@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.backends.protocol import DEFAULTS, RunOptions
+from fretfe.backends.protocol import RunOptions
 from fretfe.bodies.free_ends import graded
 from fretfe.case import Case
 from fretfe.errors import MeshError, OutputError
@@ -40,7 +40,7 @@ from fretfe.evaluate.resolution import (
 from fretfe.faults import guarded
 from fretfe.files import replace_text, writing
 from fretfe.history.solution import ContactHistory, Solution
-from fretfe.mesh.load import makes_solids
+from fretfe.mesh.load import sweep_of
 from fretfe.mesh.mesh import Mesh, count_unknowns
 from fretfe.mesh.sizing import FinePlaces, Source, apply_fine_sizes, refine_near
 from fretfe.mesh.templates import find_template
@@ -68,6 +68,8 @@ ROUND_OFF = 1e-6
 WANDERING = 4
 # Largest growth of the element size per distance from the edges.
 LARGEST_GROWTH = 0.3
+# Elements along the shorter surface of a plane contact where nothing else makes them finer.
+ALONG_CONTACT = 40
 
 
 class Passes(ABC):
@@ -90,6 +92,11 @@ class Passes(ABC):
 
     # Largest number of meshes.
     most = MOST_PASSES
+
+    @property
+    def _largest(self) -> int:
+        """Number of unknowns of the largest mesh that is solved."""
+        return self._edges.unknowns
 
     @abstractmethod
     def _make_mesh(self) -> Mesh:
@@ -159,10 +166,10 @@ class Passes(ABC):
         """
         mesh = self._make_mesh()
         unknowns = self._unknowns(mesh)
-        if unknowns > self._edges.unknowns:
+        if unknowns > self._largest:
             raise MeshError(
                 f"{self._case.source}: edges.unknowns: mesh {len(self._done) + 1} would have "
-                f"{unknowns} unknowns, expected at most {self._edges.unknowns}"
+                f"{unknowns} unknowns, expected at most {self._largest}"
             )
         self._announce(f"mesh {len(self._done) + 1}: {unknowns} unknowns")
         self._mesh = mesh
@@ -194,8 +201,8 @@ class Passes(ABC):
         last = self._recorded[number] if known else self._pass(result, mesh)
         self._done += (last,)
         self._announce(f"mesh {len(self._done)}: {_change_text(before, last)}")
-        if before is not None and before.resolved and self._fine_enough(last):
-            return self._refinement("the results no longer change", converged=True)
+        if why := self._fine_enough(before, last, result):
+            return self._refinement(why, converged=True)
         if len(self._done) == self.most:
             return self._refinement(f"{self.most} meshes were not enough")
         if reason := self._hopeless(result):
@@ -207,8 +214,11 @@ class Passes(ABC):
         """Reason why finer meshes cannot help; empty if they may."""
         return ""
 
-    def _fine_enough(self, last: Pass) -> bool:
-        return last.resolved and last.change <= self._tolerance
+    def _fine_enough(self, before: Pass | None, last: Pass, _result: Result) -> str:
+        """Reason why no finer mesh is needed; empty if one is."""
+        compared = before is not None and before.resolved and last.resolved
+        fine = compared and last.change <= self._tolerance
+        return "the results no longer change" if fine else ""
 
     def _refinement(self, reason: str, *, converged: bool = False) -> Refinement:
         return Refinement(self._tolerance, self._done, converged, reason)
@@ -286,10 +296,7 @@ def finer_sweep(case: Case, factor: float) -> Case:
     """
     geometry, changed = case.geometry, dict[str, Any]()
     if geometry.solid is not None:
-        layers = math.ceil(geometry.solid.layers * factor - 1e-9)
-        end = geometry.solid.end_size
-        thinner = {"layers": layers, "end_size": end and end / factor}
-        changed["solid"] = geometry.solid.model_copy(update=thinner)
+        changed["solid"] = geometry.solid.finer(factor)
     elif geometry.template is not None:
         known = find_template(geometry.template, length=case.units.length).parameters
         sizes = {each.name: each.default for each in known if each.is_size}
@@ -312,10 +319,9 @@ def _front_places(
             for on_body in _on_bodies(case, mesh, history, places.points):
                 points.append(on_body)
                 sizes.append(places.sizes)
-    together = np.vstack(points)
-    if case.geometry.solid is not None:
-        lean = math.tan(math.radians(case.geometry.solid.skew))
-        together = together - together[:, 2:] * [lean, 0.0, 1.0]
+    together, sweep = np.vstack(points), sweep_of(case)
+    if sweep is not None:
+        together = sweep.in_plane(together)
     return FinePlaces(*without_round_off(together, np.concatenate(sizes)))
 
 
@@ -371,7 +377,7 @@ class PlanePasses(Passes):
 
     def _make_mesh(self) -> Mesh:
         contacts = [(each.surface1, each.surface2) for each in self._case.contacts.values()]
-        size = partial(apply_fine_sizes, contacts, self._growth, self._sources)
+        size = partial(apply_fine_sizes, contacts, self._growth, self._sources, ALONG_CONTACT)
         return load_mesh(self._case, size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
@@ -421,18 +427,3 @@ def _sources(
         for places in _on_bodies(case, mesh, history, points):
             kept, sizes = without_round_off(places, np.array([each.size]))
             yield Source(kept, float(sizes[0]))
-
-
-def starting_mesh(case: Case) -> Mesh:
-    """The first mesh of a case that refines itself. Serial.
-
-    Raises:
-        FretfeError: as for `load_mesh`.
-    """
-    return passes_of(case, DEFAULTS).load()
-
-
-def passes_of(case: Case, options: RunOptions) -> Passes:
-    """The meshes of a case that asks for an accuracy, on rank 0."""
-    kind = SolidPasses if makes_solids(case) else PlanePasses
-    return kind(case, options.announce)

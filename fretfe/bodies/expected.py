@@ -32,8 +32,10 @@ from fretfe.evaluate.resolution import BAR_TIMES_ELEMENTS, MISSED
 from fretfe.evaluate.slip import cycle_states
 from fretfe.loads import History
 from fretfe.materials.moduli import contact_modulus
-from fretfe.mesh.load import size_key
+from fretfe.mesh.load import section_of, size_key
 from fretfe.mesh.mesh import Mesh
+from fretfe.mesh.sections import Sweep
+from fretfe.mesh.sizing import FinePlaces
 from fretfe.report.texts import rounded
 from fretfe.surface.checks import InitialGap, initial_gaps
 from fretfe.surface.surface import Surface
@@ -78,6 +80,15 @@ class ExpectedContact:
         return self.forces[0] > 0 and self.case.contacts[self.name].gap is None
 
     @property
+    def tilted(self) -> ExpectedContact:
+        """The same down to the smallest P that edges of contacts which share a load feel.
+
+        The rise at a rounding goes with P^(2/3).
+        """
+        low, high = self.forces
+        return replace(self, forces=(TILTED**1.5 * low if self.shared else low, high), shared=False)
+
+    @property
     def modulus(self) -> float:
         """E* of both bodies across the contact."""
         bodies, initial = self.case.bodies, self.initial
@@ -96,13 +107,13 @@ class ExpectedContact:
         """Direction (d,) of the arc of a section, and the length behind it; None without any."""
         if len(self.normal) == 2:
             return np.array([self.normal[1], -self.normal[0]]), 1.0
-        solid = self.case.geometry.solid
-        if solid is None:
+        sweep = section_of(self.case)
+        if sweep is None:
             return None
-        axis = np.array([math.tan(math.radians(solid.skew)), 0.0, 1.0])
-        direction = np.cross(self.normal, axis)
-        length = solid.shared(self.initial.surface1.body, self.initial.surface2.body)
-        return direction / np.linalg.norm(direction), length * float(np.linalg.norm(axis))
+        direction = np.cross(self.normal, sweep.direction)
+        length = sweep.solid.shared(self.initial.surface1.body, self.initial.surface2.body)
+        length *= float(np.linalg.norm(sweep.direction))
+        return direction / np.linalg.norm(direction), length
 
     def section(self, force: float) -> tuple[Array, Array, float] | None:
         """Places (n,) across, gaps (n,) there, and P/E* per length; None without a section."""
@@ -150,7 +161,8 @@ class ExpectedContact:
                     if element > 0:
                         shortest = TILTED if self.shared else 1.0
                         zone = EdgeZone(rise, element, len(self.normal), shortest)
-                        yield ExpectedEdge(self.name, front.name, force, strip.half_width, zone)
+                        width = strip.half_width
+                        yield ExpectedEdge(self.name, front.name, force, width, zone, place)
 
     def _element(self, begin: float, end: float) -> float:
         """Median length across a section of facets between two places; 0 beyond the surface."""
@@ -184,6 +196,7 @@ class ExpectedEdge:
         force: P.
         half_width: of the contact, or the smaller half axis.
         zone: the rise of the pressure there, and the elements.
+        place: along a section; NaN without one.
     """
 
     contact: str
@@ -191,6 +204,7 @@ class ExpectedEdge:
     force: float
     half_width: float
     zone: EdgeZone
+    place: float = math.nan
 
 
 def expected_contacts(
@@ -214,6 +228,39 @@ def expected_contacts(
         own = np.full(1, np.nan) if found is None else found[states]
         bounds = float(own.min()), float(own.max())
         yield ExpectedContact(case, name, initial, bounds, shared, (middles or {}).get(name))
+
+
+def expected_places(case: Case, mesh: Mesh, history: History, sweep: Sweep) -> FinePlaces:
+    """Places of a section at the edges that are expected of contacts, with the sizes they need.
+
+    Args:
+        case: of the contacts.
+        mesh: of bodies that sweep the section.
+        history: loads.
+        sweep: of the bodies.
+    """
+    points, sizes = [np.empty((0, 3))], [np.empty(0)]
+    for contact in expected_contacts(case, mesh, history):
+        if not contact.foreseen or contact.across is None:
+            continue
+        along = contact.initial.points @ contact.across[0]
+        order, plane = np.argsort(along), sweep.in_plane(contact.initial.points)
+        edges = sorted(contact.tilted.edges(), key=attrgetter("name", "place"))
+        for _, own in groupby(edges, key=attrgetter("name")):
+            zones = np.array([(edge.place, edge.zone.size) for edge in own])
+            places = _spaced(zones[0, 0], zones[-1, 0], zones.T)
+            columns = [np.interp(places, along[order], x) for x in plane[order].T]
+            points.append(np.transpose(columns))
+            sizes.append(np.interp(places, *zones.T))
+    return FinePlaces(np.vstack(points), np.concatenate(sizes))
+
+
+def _spaced(low: float, high: float, sizes: Array) -> Array:
+    """Places from low to high that are as far apart as sizes, given at places (2, n), are large."""
+    found = [low]
+    while found[-1] < high:
+        found.append(found[-1] + float(np.interp(found[-1], *sizes)))
+    return np.array(found)
 
 
 def require_pressed(case: Case, mesh: Mesh, history: History) -> None:

@@ -10,7 +10,7 @@ from typing import Any, cast
 import tomli_w
 from pydantic import TypeAdapter, ValidationError
 
-from fretfe.case.base import AXES, FILE_KINDS, Name, Table
+from fretfe.case.base import AXES, CAD, FILE_KINDS, Name, Table
 from fretfe.case.bodies import AnyBody, isotropic
 from fretfe.case.loads import Along, AnyLoad, Load
 from fretfe.case.materials import with_constants
@@ -21,6 +21,9 @@ from fretfe.case.tables import Contact, Support, Symmetry, TiedParts
 from fretfe.case.toml_file import read_tables
 from fretfe.errors import CaseError
 from fretfe.terminal import one_line
+
+# Accuracy of edge factors of CAD files for which no element size is given.
+OF_CAD = 0.1
 
 
 def load_case(
@@ -96,7 +99,7 @@ def parse_case(
     Raises:
         CaseError: as ``load_case``.
     """
-    data, given = with_constants(data, Path(source))
+    data, given = with_constants(_with_accuracy(data), Path(source))
     try:
         case = Case.model_validate(data)
     except ValidationError as error:
@@ -132,6 +135,18 @@ def _valid_entries(kind: Any, section: Any) -> dict[str, Table]:
         except ValidationError:
             continue
     return entries
+
+
+def _with_accuracy(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Tables of a case with the accuracy that CAD files without an element size are meshed for."""
+    geometry, edges = data.get("geometry"), data.get("edges", {})
+    if not isinstance(geometry, Mapping) or not isinstance(edges, Mapping) or "start" in data:
+        return data
+    file = geometry.get("file")
+    is_cad = isinstance(file, str) and Path(file).suffix.lower() in CAD.suffixes
+    if not is_cad or {"size", "part"} & geometry.keys():
+        return data
+    return {**data, "edges": {"tolerance": OF_CAD, **edges}}
 
 
 def case_text(case: Case) -> str:

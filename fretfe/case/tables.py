@@ -95,6 +95,12 @@ class Solid(Table):
                 )
         return self
 
+    def finer(self, factor: float) -> Self:
+        """The same extrusion with thinner layers by a factor."""
+        end = self.end_size and self.end_size / factor
+        layers = math.ceil(self.layers * factor - 1e-9)
+        return self.model_copy(update={"layers": layers, "end_size": end})
+
     def span(self, body: str) -> tuple[float, float]:
         """Begin and end of a body in z."""
         return self.spans.get(body, (0.0, self.length))
@@ -150,7 +156,8 @@ class Geometry(Table):
     size: Positive | None = Field(
         default=None,
         description="Element size on the contact surfaces of a CAD file, in length units; that of "
-        "the first mesh of solids that refine themselves.",
+        "the first mesh of solids that refine themselves. Without it the mesh is for "
+        "edges.tolerance, by default 0.1; solids need it unless they sweep a section.",
     )
     merge: Positive | None = Field(
         default=None,

@@ -7,7 +7,8 @@ from dataclasses import replace
 from functools import partial
 from pathlib import Path
 
-from fretfe.backends.meshes import Passes, passes_of
+from fretfe.backends.meshes import Passes
+from fretfe.backends.passes import passes_of
 from fretfe.backends.protocol import RunOptions
 from fretfe.case import Case
 from fretfe.errors import FretfeError, StoppedError

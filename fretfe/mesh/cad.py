@@ -176,14 +176,14 @@ class Shapes:
         if shape.dim == 1:
             return _curve_distance(self._gmsh, shape.tag, point)
         if shape.dim == 2:
-            return _face_distance(self._gmsh, shape.tag, point)
+            return face_distance(self._gmsh, shape.tag, point)
         if self._gmsh.model.isInside(3, shape.tag, point):
             return 0.0
         border = self._gmsh.model.getAdjacencies(3, shape.tag)[1]
-        return min(_face_distance(self._gmsh, int(face), point) for face in border)
+        return min(face_distance(self._gmsh, int(face), point) for face in border)
 
 
-def _face_distance(gmsh: ModuleType, face: int, point: Array) -> float:
+def face_distance(gmsh: ModuleType, face: int, point: Array) -> float:
     """From the foot of the perpendicular, if it is in the face, or from the border."""
     foot = gmsh.model.getClosestPoint(2, face, point)[0]
     if gmsh.model.isInside(2, face, foot):

@@ -250,6 +250,15 @@ def _merge(gmsh: ModuleType, script: Path) -> list[str]:
     return [text.removeprefix("Error: ") for text in messages if text.startswith("Error: ")]
 
 
+def tags_of_groups(gmsh: ModuleType, dim: int) -> dict[str, list[int]]:
+    """Entities of a dimension in each named physical group of the current model."""
+    tags: dict[str, list[int]] = {}
+    for _, group in gmsh.model.getPhysicalGroups(dim):
+        own = gmsh.model.getEntitiesForPhysicalGroup(dim, group)
+        tags.setdefault(gmsh.model.getPhysicalName(dim, group), []).extend(map(int, own))
+    return tags
+
+
 def raw_mesh(gmsh: ModuleType, source: Path) -> RawMesh:
     """The named physical groups of the current model, with their nodes and elements.
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from types import ModuleType
 
@@ -19,7 +19,7 @@ from fretfe.environment import machine_memory
 from fretfe.errors import CaseError, MeshError
 from fretfe.files import file_fault
 from fretfe.mesh.cad import cad_model
-from fretfe.mesh.contained import raw_mesh_of
+from fretfe.mesh.contained import arrays_of, raw_mesh_of
 from fretfe.mesh.extrusion import BACK, FRONT, TETRAHEDRA, Ends, SectorSides, extrude
 from fretfe.mesh.gmsh import RawMesh
 from fretfe.mesh.inp_demands import Uses
@@ -27,7 +27,8 @@ from fretfe.mesh.inp_groups import label_of, read_inp
 from fretfe.mesh.make import SetSizes, mesh_model, mesh_script, mesh_template, read_mesh
 from fretfe.mesh.mesh import Mesh, check_groups, named_boundaries
 from fretfe.mesh.part import around_ball, cut_name, part_of
-from fretfe.mesh.sizing import Sizes, apply_sizes, apply_sizes_on_faces
+from fretfe.mesh.sections import Sweep, section_model, sweep_arrays, sweep_of_arrays
+from fretfe.mesh.sizing import Sizes, apply_fine_sizes, apply_sizes, apply_sizes_on_faces
 from fretfe.mesh.split import mesh_from_raw
 from fretfe.mesh.templates import Template, find_template, read_template
 from fretfe.mesh.xdmf import read_xdmf
@@ -35,6 +36,8 @@ from fretfe.mesh.xdmf import read_xdmf
 # Growth of the element size per distance from the contact surfaces.
 GROWTH = 0.2
 GROWTH_IN_SPACE = 0.35
+# Elements along the shorter surface of a contact of bodies that are swept, but for finer places.
+ALONG_SWEPT = 16
 
 
 @contextmanager
@@ -48,13 +51,14 @@ def naming_case(case: Case) -> Iterator[None]:
         raise type(error)(f"{case.source}: {error}") from error
 
 
-def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
+def grouped_mesh(case: Case, size: SetSizes | None = None, sweep: Sweep | None = None) -> Mesh:
     """Read or make the mesh of a case and check its groups and dimension. Serial.
 
     Args:
         case: validated case.
         size: sets element sizes of plane bodies in place of those of the geometry, and changes
             those of solids; can be pickled.
+        sweep: that of a CAD file with other layers.
 
     Raises:
         CaseError: if the template or its parameters are not valid, a direction does not fit, a
@@ -62,19 +66,21 @@ def grouped_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     with naming_case(case):
-        mesh = made_mesh(case, size)
+        mesh = made_mesh(case, size, sweep)
         check_groups(mesh, case)
         check_dimension(case, mesh.dimension)
     return mesh
 
 
-def made_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
+def made_mesh(case: Case, size: SetSizes | None = None, sweep: Sweep | None = None) -> Mesh:
     """Read or make the mesh of a case, extruded and cut as it says, whatever else it names.
 
     Arguments and errors are those of `grouped_mesh`.
     """
     mesh, solid, part = _mesh_of_case(case, size), case.geometry.solid, case.geometry.part
     if solid is None:
+        sweep = sweep or sweep_of(case)
+        mesh = mesh if sweep is None else sweep.swept(mesh)
         return mesh if part is None else _part_of(case, mesh, part)
     if part is None:
         return _extruded_mesh(case, mesh)
@@ -85,13 +91,52 @@ def made_mesh(case: Case, size: SetSizes | None = None) -> Mesh:
     return found if circle is part else _part_of(case, found, part, again=True)
 
 
+def sweep_of(case: Case) -> Sweep | None:
+    """The sweep of plane sections that makes the bodies of a case; None if they are made otherwise.
+
+    Raises:
+        CaseError: as for `grouped_mesh`, of a CAD file.
+    """
+    return section_of(case) if case.geometry.size is None else None
+
+
+def section_of(case: Case) -> Sweep | None:
+    """The sweep that bodies of a case are, also if they are meshed as they stand."""
+    solid, file = case.geometry.solid, case.geometry.file
+    if solid is not None:
+        return Sweep(np.zeros(3), np.eye(3), solid, {})
+    if file is None or file_kind(file) is not CAD:
+        return None
+    found = _cad_sweep(case, case.resolve(file))
+    return found if isinstance(found, Sweep) else None
+
+
+def _cad_sweep(case: Case, path: Path) -> Sweep | str:
+    """The sweep of the bodies of a CAD file, or why there is none."""
+    if fault := file_fault(path):
+        return f"found {fault}"
+    geometry, changed = case.geometry.model_dump_json(exclude_unset=True), path.stat().st_mtime_ns
+    return _found_sweep(path, geometry, case.units.length, case.surface_names, changed)
+
+
+@lru_cache(maxsize=8)
+def _found_sweep(
+    path: Path, geometry: str, length: str, surfaces: frozenset[str], _changed: int
+) -> Sweep | str:
+    own = Geometry.model_validate_json(geometry)
+    try:
+        return sweep_of_arrays(arrays_of(partial(sweep_arrays, path, own, length, surfaces), path))
+    except (CaseError, MeshError) as error:
+        return str(error)
+
+
 def makes_solids(case: Case) -> bool:
     """True if the geometry of a case that refines itself makes solid bodies.
 
-    Of CAD files those have an element size, that of the first mesh.
+    Of CAD files those have sections, or an element size, that of the first mesh.
     """
     geometry = case.geometry
-    if geometry.solid is not None:
+    if geometry.solid is not None or sweep_of(case) is not None:
         return True
     if geometry.template is not None:
         return find_template(geometry.template).solid
@@ -275,27 +320,41 @@ def _mesh_of_script(case: Case, path: Path, size: SetSizes | None) -> Mesh:
 def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
     geometry = case.geometry
     _require_names(case, CAD)
-    if size is None and geometry.size is None:
-        text = f"expected an element size for {path.name}, or edges.tolerance, found none"
-        raise CaseError(complaint(case.source, ("geometry", "size"), text))
-    set_sizes = partial(_cad_sizes, case, size)
-    model = partial(cad_model, path, geometry, case.units.length)
+    length = case.units.length
+    if geometry.solid is None and (sweep := sweep_of(case)) is not None:
+        section = partial(section_model, path, geometry, length, sweep)
+        sizes = partial(_section_sizes, case, size)
+        return mesh_model(section, path, geometry.order, sizes, math.inf)
+    why = str(_cad_sweep(case, path)) if geometry.size is None else ""
+    set_sizes = partial(_cad_sizes, case, size, why)
+    model = partial(cad_model, path, geometry, length)
     return mesh_model(model, path, geometry.order, set_sizes, geometry.size or math.inf)
 
 
-def _cad_sizes(case: Case, size: SetSizes | None, gmsh: ModuleType) -> None:
+def _section_sizes(case: Case, size: SetSizes | None, gmsh: ModuleType) -> None:
+    """Set sizes of sections that are swept, and then those of a mesh that refines itself."""
+    contacts = [(each.surface1, each.surface2) for each in case.contacts.values()]
+    apply_fine_sizes(contacts, GROWTH_IN_SPACE, (), ALONG_SWEPT, gmsh)
+    if size is not None:
+        size(gmsh)
+
+
+def _cad_sizes(case: Case, size: SetSizes | None, why: str, gmsh: ModuleType) -> None:
     """Set even sizes on whole contact surfaces, and then those of a mesh that refines itself.
 
     Raises:
-        CaseError: if such a mesh is plane and has an element size, or is solid and has none.
+        CaseError: if such a mesh is plane and has an element size, or if solids without a section,
+            for whatever reason, have none.
     """
     geometry, contacts = case.geometry, case.contacts.values()
     solid = geometry.solid is not None or gmsh.model.getDimension() == 3
-    if size is not None and solid == (geometry.size is None):
-        expected = "that of the first mesh" if solid else "none"
-        found = "none" if geometry.size is None else f"{geometry.size:g}"
-        text = f"expected {expected} together with edges.tolerance, as the bodies are "
-        text += f"{'solid' if solid else 'plane'}, found {found}"
+    if geometry.size is None and (solid or size is None):
+        text = "expected an element size (with edges.tolerance that of the first mesh), found none"
+        text += f", and the bodies sweep no section: {why}" if solid else ""
+        raise CaseError(complaint(case.source, ("geometry", "size"), text))
+    if size is not None and not solid and geometry.size is not None:
+        text = "expected none together with edges.tolerance, as the bodies are plane, found "
+        text += f"{geometry.size:g}"
         raise CaseError(complaint(case.source, ("geometry", "size"), text))
     if geometry.size is not None:
         surfaces = [name for each in contacts for name in (each.surface1, each.surface2)]

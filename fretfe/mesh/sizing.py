@@ -16,6 +16,7 @@ from types import ModuleType
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.mesh.gmsh import tags_of_groups
 
 Mirror = Callable[[Array], Array]
 
@@ -24,8 +25,10 @@ FEWEST_ACROSS = 12
 AROUND_CIRCLE = 16
 # Elements between a corner of a contact surface and the nearest fine place.
 TO_CORNER = 8
-# Elements along the shorter surface of a contact where nothing else makes them finer.
-ALONG_CONTACT = 40
+# Elements at corners of contacts whose gap is looked at, over the length of the shorter surface;
+# their growth.
+AT_CORNERS = 5e-4
+STEEP = 0.3
 # Corners: the tangent turns by more than this angle, or the curvature changes by more than this
 # fraction of the larger one.
 SHARP = 1e-3
@@ -86,7 +89,7 @@ def apply_sizes(gmsh: ModuleType, sizes: Sizes) -> None:
     Besides, elements follow the curvature of all curves, and elements at the corners of the named
     boundaries are no larger than a fraction of the distance to the nearest of the sources.
     """
-    curves = curves_of_groups(gmsh)
+    curves = tags_of_groups(gmsh, 1)
     along = [(size, curves[name]) for name, size in sizes.boundaries.items()]
     places = [(source.size, source.points) for source in sizes.sources]
     places += _corner_places(gmsh, [curves[name] for name in sizes.boundaries], places)
@@ -106,6 +109,7 @@ def apply_fine_sizes(
     contacts: Sequence[tuple[str, str]],
     growth: float,
     sources: Sequence[Source],
+    along: int,
     gmsh: ModuleType,
 ) -> None:
     """Make the next mesh of the current model even along contacts, and finer at some places.
@@ -114,15 +118,29 @@ def apply_fine_sizes(
         contacts: names of both surfaces of each.
         growth: of the element size per distance from the nearest fine place.
         sources: places that are finer.
+        along: elements along the shorter surface of a contact where nothing else makes them finer.
         gmsh: the library, with the model.
     """
-    curves = curves_of_groups(gmsh)
+    curves = tags_of_groups(gmsh, 1)
     sizes: dict[str, float] = {}
     for surfaces in contacts:
         names = [name for name in surfaces if name in curves]
         lengths = [length_of(gmsh, curves[name]) for name in names]
-        sizes |= {name: min(lengths) / ALONG_CONTACT for name in names}
+        sizes |= {name: min(lengths) / along for name in names}
     apply_sizes(gmsh, Sizes(sizes, growth, sources))
+
+
+def apply_corner_sizes(contacts: Sequence[tuple[str, str]], gmsh: ModuleType) -> None:
+    """Make the next mesh of the current model show the gap next to the corners of contacts.
+
+    Arguments are those of `apply_fine_sizes`.
+    """
+    curves = tags_of_groups(gmsh, 1)
+    named = [curves[name] for pair in contacts for name in pair if name in curves]
+    corners = [corner for own in named for corner in corners_of(gmsh, own)]
+    size = AT_CORNERS * min(length_of(gmsh, own) for own in named)
+    sources = [Source(corner[None], size) for corner in corners]
+    apply_fine_sizes(contacts, STEEP, sources, TO_CORNER, gmsh)
 
 
 def apply_sizes_on_faces(gmsh: ModuleType, sizes: Mapping[str, float], growth: float) -> None:
@@ -134,12 +152,11 @@ def apply_sizes_on_faces(gmsh: ModuleType, sizes: Mapping[str, float], growth: f
         growth: of the element size per distance from them.
     """
     field, fields = gmsh.model.mesh.field, []
-    for dim, group in gmsh.model.getPhysicalGroups(2):
-        size = sizes.get(gmsh.model.getPhysicalName(dim, group))
+    for name, faces in tags_of_groups(gmsh, 2).items():
+        size = sizes.get(name)
         if size is None:
             continue
-        faces = [int(face) for face in gmsh.model.getEntitiesForPhysicalGroup(dim, group)]
-        boxes = np.reshape([gmsh.model.getBoundingBox(dim, face) for face in faces], (-1, 2, 3))
+        boxes = np.reshape([gmsh.model.getBoundingBox(2, face) for face in faces], (-1, 2, 3))
         longest = np.linalg.norm(boxes[:, 1] - boxes[:, 0], axis=1).max()
         # Points of a face are further apart than its elements are long where it has many of these.
         points = int(np.clip(longest / size, *POINTS_ACROSS))
@@ -165,11 +182,16 @@ def refine_near(places: FinePlaces, growth: float, gmsh: ModuleType) -> None:
 
     if not len(places.sizes):
         return
-    points = places.points
+    points, own = places.points, places.sizes
     if gmsh.model.getDimension() == 2:
         mirrored = [mirror(points[:, :2]) for mirror in _mirrors(gmsh)]
         points = np.column_stack([np.vstack(mirrored), np.zeros(len(points) * len(mirrored))])
-    own = np.tile(places.sizes, len(points) // len(places.sizes))
+        # Places along a front that is swept are many in space, and few in the section.
+        cells = np.round(points / (0.5 * places.sizes.min()))
+        _, kept, number = np.unique(cells, axis=0, return_index=True, return_inverse=True)
+        least = np.full(len(kept), np.inf)
+        np.minimum.at(least, number.ravel(), np.tile(places.sizes, len(mirrored)))
+        points, own = points[kept], least
     # So that the nearest place tells the size anywhere, near to others with finer elements too.
     sizes = [np.min(own + growth * np.linalg.norm(points - point, axis=1)) for point in points]
     smallest, tree = min(sizes), cKDTree(points)
@@ -184,15 +206,6 @@ def refine_near(places: FinePlaces, growth: float, gmsh: ModuleType) -> None:
         return float(min(before, sizes[nearest] + growth * distance))
 
     gmsh.model.mesh.setSizeCallback(size_at)
-
-
-def curves_of_groups(gmsh: ModuleType) -> dict[str, list[int]]:
-    """Curves of each named physical curve group."""
-    curves: dict[str, list[int]] = {}
-    for dim, group in gmsh.model.getPhysicalGroups(1):
-        tags = gmsh.model.getEntitiesForPhysicalGroup(dim, group)
-        curves.setdefault(gmsh.model.getPhysicalName(dim, group), []).extend(map(int, tags))
-    return curves
 
 
 def curve_points(gmsh: ModuleType, curve: int) -> Array:

@@ -16,7 +16,8 @@ from cases.pad_cases import pad, press
 from harness.told import Told
 
 from fretfe.backends import RunOptions
-from fretfe.backends.meshes import FINER, finer_sweep, starting_mesh
+from fretfe.backends.meshes import FINER, finer_sweep
+from fretfe.backends.passes import starting_mesh
 from fretfe.case import Case, parse_case
 from fretfe.errors import CaseError
 from fretfe.fem.backend import BACKEND
@@ -135,7 +136,7 @@ def cad_tables(step: Path, **geometry: Any) -> dict[str, Any]:
 
 def test_solids_of_a_cad_file_begin_with_an_element_size(step: Path) -> None:
     data = cad_tables(step) | {"edges": {"tolerance": 0.03}}
-    with pytest.raises(CaseError, match=r"geometry\.size: expected that of the first mesh tog"):
+    with pytest.raises(CaseError, match=r"geometry\.size: expected an element size \(with edges"):
         BACKEND.solve(parse_case(data), RunOptions())
 
 

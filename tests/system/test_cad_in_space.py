@@ -166,7 +166,12 @@ MISTAKES: dict[str, tuple[str, dict[str, Any], type[FretfeError], str]] = {
         MeshError,
         "does not tell between face .* say which with body = NAME",
     ),
-    "no size": ("apart.step", {"size": None}, CaseError, "expected an element size for apart.step"),
+    "no size": (
+        "apart.step",
+        {"size": None},
+        CaseError,
+        "the contact faces are parallel to each other",
+    ),
 }
 
 

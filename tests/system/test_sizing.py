@@ -19,9 +19,9 @@ from fretfe.mesh.sizing import (
     Source,
     apply_sizes,
     corners_of,
-    curves_of_groups,
     length_of,
     round_curves,
+    tags_of_groups,
 )
 from fretfe.mesh.templates import find_template
 
@@ -105,7 +105,7 @@ def test_corners(
     model: ModuleType, name: str, boundary: str, corners: list[tuple[float, float]]
 ) -> None:
     model.merge(str(find_template(name).path))
-    found = corners_of(model, curves_of_groups(model)[boundary])
+    found = corners_of(model, tags_of_groups(model, 1)[boundary])
     np.testing.assert_allclose(sorted(map(tuple, found)), corners, atol=1e-9)
 
 

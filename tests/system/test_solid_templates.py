@@ -10,7 +10,7 @@ import pytest
 from cases.pad_cases import pad, press
 
 from fretfe._typing import Array
-from fretfe.backends.meshes import starting_mesh
+from fretfe.backends.passes import starting_mesh
 from fretfe.case import parse_case
 from fretfe.mesh.elements import facet_measures
 from fretfe.mesh.make import mesh_template

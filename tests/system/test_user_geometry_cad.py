@@ -259,7 +259,7 @@ def test_sizes_come_from_the_case_or_from_refinement(folder: Path) -> None:
     with pytest.raises(
         CaseError, match=r"geometry.size: expected none together .* plane, found 0.4"
     ):
-        load_mesh(case, partial(apply_fine_sizes, (), 0.3, ()))
+        load_mesh(case, partial(apply_fine_sizes, (), 0.3, (), 40))
 
 
 def drawn(path: Path, *, split: bool = True) -> Path:

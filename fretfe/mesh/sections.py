@@ -1,0 +1,351 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Plane sections of solid CAD bodies, for bodies that sweep them along one direction.
+
+Such bodies have two plane ends; all other faces are parallel to the direction, which the normals of
+the contact faces tell. Their mesh is that of the section, extruded and laid back into space.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import math
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import product
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+
+from fretfe._typing import Array
+from fretfe.case import Geometry, Solid
+from fretfe.errors import MeshError
+from fretfe.mesh.cad import Shape, cad_model, face_distance, shape_text
+from fretfe.mesh.contained import Opened
+from fretfe.mesh.extrusion import BACK, FRONT, extrude, layer_faces
+from fretfe.mesh.gmsh import tags_of_groups
+from fretfe.mesh.mesh import Mesh
+
+# Angles up to which normals are alike, and distances over the size of the bodies: STEP files are
+# written to 1e-7 of a unit.
+SAME_WAY = 1e-5
+# Places across a face at which its normal is taken, as parts of its range of parameters.
+ACROSS = np.linspace(0.04, 0.96, 7)
+# Angle up to which an extrusion may lean.
+MOST_SKEW = math.pi / 3
+# Layers over the length, and the thickness of those at the ends over it.
+LAYERS = 5
+AT_ENDS = 1 / 20
+
+
+@dataclass(frozen=True)
+class Sweep:
+    """A straight sweep of plane sections in space.
+
+    Attributes:
+        origin: (3,) place in space of the origin of the plane.
+        axes: (3, 3) rows are the unit vectors of x and y of the plane, and its normal.
+        solid: the extrusion along the normal; a skew leans along x.
+        ends: names in the case of boundaries at ends, by those of extrusions.
+    """
+
+    origin: Array
+    axes: Array
+    solid: Solid
+    ends: Mapping[str, str]
+
+    @property
+    def lean(self) -> float:
+        """Way along x of the plane for each unit along its normal."""
+        return math.tan(math.radians(self.solid.skew))
+
+    @property
+    def direction(self) -> Array:
+        """(3,) way of the sweep in space over that along the normal of the plane."""
+        return np.array([self.lean, 0.0, 1.0]) @ self.axes
+
+    @property
+    def in_one_layer(self) -> Sweep:
+        """The same without inner nodes."""
+        return replace(self, solid=self.solid.model_copy(update={"layers": 1, "end_size": None}))
+
+    def in_plane(self, points: Array) -> Array:
+        """(n, 3) places at z = 0 that sweep to points (n, 3) in space."""
+        local = (points - self.origin) @ self.axes.T
+        return np.asarray(local - local[:, 2:] * [self.lean, 0.0, 1.0])
+
+    def swept(self, mesh: Mesh) -> Mesh:
+        """The bodies in space of a mesh of their sections."""
+        found = extrude(mesh, self.solid)
+        bodies = {}
+        for name, body in found.bodies.items():
+            made = {f"{name}_{FRONT}", f"{name}_{BACK}"}
+            boundaries = {
+                self.ends.get(each, each): facets
+                for each, facets in body.boundaries.items()
+                if each not in made or each in self.ends
+            }
+            points = self.origin + body.points @ self.axes
+            bodies[name] = replace(body, points=points, boundaries=boundaries)
+        return replace(found, bodies=bodies, notes=(*found.notes, self._text(mesh)))
+
+    def _text(self, mesh: Mesh) -> str:
+        """The sweep in words."""
+        names, way = tuple(mesh.bodies), ", ".join(f"{x + 0.0:.4g}" for x in self.direction)
+        spans = {name: self.solid.span(name) for name in names}
+        lengths = ", ".join(
+            f"{name} from {low:g} to {high:g}" for name, (low, high) in spans.items()
+        )
+        layers = len(layer_faces(self.solid, (True, True), names)) - 1
+        return (
+            f"the bodies sweep plane sections along ({way}), {lengths}, in {layers} layers; two "
+            "fronts are expected along each contact"
+        )
+
+
+def sweep_arrays(
+    path: Path, geometry: Geometry, length: str, surfaces: Collection[str], opened: Opened
+) -> Mapping[str, Array]:
+    """The sweep of the bodies of a CAD file as arrays, of which `sweep_of_arrays` makes one.
+
+    Args:
+        path: of the file.
+        geometry: table of the case.
+        length: label of the unit of length.
+        surfaces: names of the contact surfaces.
+        opened: called when the file has been read.
+
+    Raises:
+        MeshError: the bodies are no sweep, with the face that is the reason; or as for `cad_model`.
+    """
+    with cad_model(path, geometry, length) as gmsh:
+        opened()
+        return _Solids(gmsh, surfaces).arrays()
+
+
+def sweep_of_arrays(arrays: Mapping[str, Array]) -> Sweep:
+    """The sweep that `sweep_arrays` has found."""
+    spans = dict(zip(arrays["bodies"].tolist(), arrays["spans"].tolist(), strict=True))
+    length = float(arrays["spans"].max())
+    shorter = {name: span for name, span in spans.items() if span != [0.0, length]}
+    shared = min(end for _, end in spans.values()) - max(start for start, _ in spans.values())
+    solid = Solid(
+        length=length,
+        skew=float(arrays["skew"]),
+        layers=math.ceil(LAYERS * length / shared - SAME_WAY),
+        end_size=AT_ENDS * shared,
+        spans={name: (start, end) for name, (start, end) in shorter.items()},
+    )
+    ends = {str(made): str(name) for made, name in arrays["ends"].reshape(-1, 2)}
+    return Sweep(arrays["origin"], arrays["axes"], solid, ends)
+
+
+def _merged(values: Array, close: float) -> Array:
+    """Values of which those that are closer to each other than round-off are equal."""
+    known, places = np.unique(values, return_inverse=True)
+    first = np.diff(known, prepend=-np.inf) > close
+    return np.asarray(known[first][np.cumsum(first) - 1][places].reshape(values.shape))
+
+
+class _Solids:
+    """Volumes of a Gmsh model whose bodies and boundaries are named groups.
+
+    Args:
+        gmsh: the library.
+        surfaces: names of the contact surfaces.
+    """
+
+    def __init__(self, gmsh: ModuleType, surfaces: Collection[str]) -> None:
+        self._gmsh = gmsh
+        if gmsh.model.getDimension() < 3:
+            raise MeshError("the bodies are plane")
+        self._named = tags_of_groups(gmsh, 2)
+        self._bodies = tags_of_groups(gmsh, 3)
+        self._normals = {face: self._normals_of(face) for _, face in gmsh.model.getEntities(2)}
+        box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+        self._close = SAME_WAY * float(np.linalg.norm(box[1] - box[0]))
+        self._direction = self._along([x for name in surfaces for x in self._named.get(name, [])])
+        self._normal = self._direction
+
+    def arrays(self) -> Mapping[str, Array]:
+        """The sweep as arrays: origin, axes, skew, bodies with spans, and names of ends."""
+        ends = {name: self._ends(name, volumes) for name, volumes in self._bodies.items()}
+        heights = {name: [self._heights(faces)[0] for faces in own] for name, own in ends.items()}
+        start = min(low for low, _ in heights.values())
+        axes = self._axes()
+        skew = math.atan2(float(self._direction @ axes[0]), float(self._direction @ axes[2]))
+        if skew > MOST_SKEW:
+            raise MeshError(f"the bodies lean from their ends by {math.degrees(skew):.3g} degrees")
+        return {
+            "origin": start * axes[2],
+            "axes": axes,
+            "skew": np.array(math.degrees(skew)),
+            "bodies": np.array(list(heights)),
+            "spans": _merged(np.array(list(heights.values())) - start, self._close),
+            "ends": np.array(list(self._names_of_ends(ends)), dtype=str),
+        }
+
+    def _normals_of(self, face: int) -> Array:
+        """(n, 3) unit normals across a face."""
+        low, high = self._gmsh.model.getParametrizationBounds(2, face)
+        places = [low + (high - low) * np.array(each) for each in product(ACROSS, ACROSS)]
+        return np.reshape(self._gmsh.model.getNormal(face, np.ravel(places)), (-1, 3))
+
+    def _along(self, faces: Sequence[int]) -> Array:
+        """(3,) unit vector to which all contact faces are parallel, mostly along an axis."""
+        together = np.vstack([np.zeros((3, 3)), *(self._normals[face] for face in faces)])
+        values, axes = np.linalg.svd(together, full_matrices=False)[1:]
+        if values[1] <= SAME_WAY * values[0]:
+            raise MeshError("the contact faces are parallel to each other, and tell no direction")
+        direction = axes[2] * np.sign(axes[2][np.argmax(np.abs(axes[2]))])
+        self._require_parallel(
+            faces, direction, "not parallel to one direction with its neighbours"
+        )
+        return np.asarray(direction)
+
+    def _require_parallel(self, faces: Sequence[int], direction: Array, expected: str) -> None:
+        tilts = [float(np.abs(self._normals[face] @ direction).max()) for face in faces]
+        if max(tilts, default=0.0) > SAME_WAY:
+            worst = faces[int(np.argmax(tilts))]
+            raise MeshError(f"{self._text(worst)} is {expected}")
+
+    def _text(self, face: int) -> str:
+        (volume,) = self._gmsh.model.getAdjacencies(2, face)[0]
+        body = next(name for name, tags in self._bodies.items() if volume in tags)
+        return f"{shape_text(Shape.of(self._gmsh, 2, face))} of body {body!r}"
+
+    def _ends(self, name: str, volumes: Sequence[int]) -> tuple[list[int], list[int]]:
+        """Faces at the lower and at the upper end of a body."""
+        faces = [int(x) for tag in volumes for x in self._gmsh.model.getAdjacencies(3, tag)[1]]
+        across = [x for x in faces if np.abs(self._normals[x] @ self._direction).max() > SAME_WAY]
+        flat = [x for x in across if np.ptp(self._normals[x], axis=0).max() < SAME_WAY]
+        if self._normal is self._direction and flat:
+            first = self._normals[flat[0]][0]
+            self._normal = first * np.sign(first @ self._direction)
+        ends = [
+            x
+            for x in flat
+            if np.linalg.norm(np.cross(self._normals[x][0], self._normal)) < SAME_WAY
+        ]
+        beside = [x for x in across if x not in ends]
+        expected = "no plane end, and not parallel to the contact faces"
+        self._require_parallel(beside, self._direction, expected)
+        heights = self._heights(ends)
+        low = [x for x, h in zip(ends, heights, strict=True) if h < min(heights) + self._close]
+        high = [x for x, h in zip(ends, heights, strict=True) if h > max(heights) - self._close]
+        between = [x for x in ends if x not in low + high]
+        if between:
+            raise MeshError(f"{self._text(between[0])} is an end between those of the body")
+        self._require_volume(name, volumes, low, max(heights) - min(heights))
+        return low, high
+
+    def _heights(self, faces: Sequence[int]) -> list[float]:
+        """Heights of plane faces along their normal."""
+        model = self._gmsh.model
+        middles = [sum(model.getParametrizationBounds(2, face)) / 2 for face in faces]
+        points = [model.getValue(2, face, at) for face, at in zip(faces, middles, strict=True)]
+        return [float(point @ self._normal) for point in points]
+
+    def _require_volume(
+        self, name: str, volumes: Sequence[int], low: Sequence[int], length: float
+    ) -> None:
+        mass = self._gmsh.model.occ.getMass
+        volume, area = sum(mass(3, tag) for tag in volumes), sum(mass(2, tag) for tag in low)
+        if abs(volume - area * length) > math.sqrt(SAME_WAY) * volume:
+            raise MeshError(
+                f"the volume {volume:.6g} of body {name!r} is not its section {area:.6g} times its "
+                f"length {length:.6g}"
+            )
+
+    def _axes(self) -> Array:
+        """(3, 3) unit vectors of the plane, those of space where the sweep is along z."""
+        across = self._direction - (self._direction @ self._normal) * self._normal
+        if np.linalg.norm(across) < SAME_WAY:
+            nearest = np.eye(3)[np.argmin(np.abs(self._normal))]
+            across = nearest - (nearest @ self._normal) * self._normal
+        first = across / np.linalg.norm(across)
+        return np.array([first, np.cross(self._normal, first), self._normal])
+
+    def _names_of_ends(
+        self, ends: Mapping[str, tuple[Sequence[int], Sequence[int]]]
+    ) -> Iterator[tuple[str, str]]:
+        """Names of ends by extrusion and in the case; others are sides from end to end."""
+        made = {
+            f"{body}_{suffix}": set(end)
+            for body, own in ends.items()
+            for suffix, end in zip((BACK, FRONT), own, strict=True)
+        }
+        across = set().union(*made.values())
+        for boundary, faces in self._named.items():
+            whole = [name for name, end in made.items() if end == set(faces)]
+            yield from ((name, boundary) for name in whole)
+            if not whole and (boundary in made or across & set(faces)):
+                raise MeshError(f"boundary {boundary!r} is no whole end: {self._text(faces[0])}")
+
+
+@contextlib.contextmanager
+def section_model(
+    path: Path, geometry: Geometry, length: str, sweep: Sweep
+) -> Iterator[ModuleType]:
+    """The sections of the bodies of a CAD file in the plane z = 0, with the names of their sides.
+
+    Arguments and errors are those of `sweep_arrays`.
+    """
+    with cad_model(path, geometry, length) as gmsh:
+        bodies, sides = tags_of_groups(gmsh, 3), tags_of_groups(gmsh, 2)
+        volumes = gmsh.model.getEntities(3)
+        sections, curves = dict[str, list[int]](), dict[str, list[int]]()
+        for name, tags in bodies.items():
+            height = sum(sweep.solid.span(name)) / 2
+            sections[name] = [cut for tag in tags for cut in _cut(gmsh, sweep, tag, height)]
+            own = {int(x) for tag in tags for x in gmsh.model.getAdjacencies(3, tag)[1]}
+            for side, faces in sides.items():
+                found = _on_faces(gmsh, sweep, sections[name], height, own & set(faces))
+                curves.setdefault(side, []).extend(found)
+        gmsh.model.occ.remove(volumes, recursive=True)
+        gmsh.model.occ.synchronize()
+        gmsh.model.removePhysicalGroups()
+        for dim, groups in ((2, sections), (1, curves)):
+            for name, tags in groups.items():
+                if tags:
+                    gmsh.model.addPhysicalGroup(dim, tags, name=name)
+        yield gmsh
+
+
+def _cut(gmsh: ModuleType, sweep: Sweep, volume: int, height: float) -> list[int]:
+    """Faces in the plane z = 0 that a volume sweeps, cut out at a height above it."""
+    from scipy.spatial.transform import Rotation
+
+    occ = gmsh.model.occ
+    turn = Rotation.from_matrix(sweep.axes.T).as_rotvec()
+    angle, to = float(np.linalg.norm(turn)), sweep.origin + height * sweep.direction
+    axis = turn / angle if angle else np.array([0.0, 0.0, 1.0])
+    low, high = np.reshape(gmsh.model.getBoundingBox(3, volume), (2, 3))
+    corners = np.array(list(product(*zip(low, high, strict=True))))
+    plane = ((corners - to) @ sweep.axes.T)[:, :2]
+    first, size = plane.min(axis=0), np.ptp(plane, axis=0)
+    first, size = first - size / 2, 2 * size
+    rectangle = occ.addRectangle(*first, 0.0, *size)
+    occ.rotate([(2, rectangle)], 0, 0, 0, *axis, angle)
+    occ.translate([(2, rectangle)], *to)
+    cut, _ = occ.intersect([(3, volume)], [(2, rectangle)], removeObject=False)
+    occ.translate(cut, *-to)
+    occ.rotate(cut, 0, 0, 0, *axis, -angle)
+    occ.synchronize()
+    return [tag for _, tag in cut]
+
+
+def _on_faces(
+    gmsh: ModuleType, sweep: Sweep, sections: Sequence[int], height: float, faces: Collection[int]
+) -> list[int]:
+    """Curves around sections that are cuts through faces at a height."""
+    box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
+    close = SAME_WAY * float(np.linalg.norm(box[1] - box[0]))
+    around = gmsh.model.getBoundary([(2, tag) for tag in sections], oriented=False)
+    found = []
+    for _, curve in around:
+        middle = np.array(Shape.of(gmsh, 1, curve).centre)
+        point = sweep.origin + middle @ sweep.axes + height * sweep.direction
+        if any(face_distance(gmsh, face, point) < close for face in faces):
+            found.append(int(curve))
+    return found
