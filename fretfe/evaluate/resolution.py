@@ -170,7 +170,9 @@ def _along(front: Front, states: Indices, tolerance: float) -> FinePlaces:
     before = np.array([station.size for station in stations])
     scale = np.array([np.fmin(station.depth, station.length) for station in stations])
     wanted = np.where(np.isfinite(scale), scale * tolerance / BAR_TIMES_ELEMENTS, 0.0)
-    sizes = np.clip(wanted, before / MOST_FINER, before / LEAST_FINER)
+    # Along a border without a front nothing tells how much finer.
+    most = np.where([station.lack.whole for station in stations], BLIND, MOST_FINER)
+    sizes = np.clip(wanted, before / most, before / LEAST_FINER)
     positions = np.nan_to_num([station.position[states] for station in stations])
     low, high = positions.min(axis=1), positions.max(axis=1)
     inward = np.array([station.frame.inward for station in stations])

@@ -13,7 +13,7 @@ import pytest
 from cases.halfplane_problems import HERTZ, LIMIT, LOAD, problem
 
 from fretfe.backends.meshes import without_round_off
-from fretfe.evaluate.contacts import Contact, fronts_of
+from fretfe.evaluate.contacts import Contact, Frame, Front, fronts_of, unknown_station
 from fretfe.evaluate.edge_zone import WANTED_TO_PEAK
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.refinement import (
@@ -30,6 +30,7 @@ from fretfe.evaluate.resolution import (
     MISSED,
     PER_SLIP_ZONE,
     Interval,
+    fine_places,
     hopeless,
     needed_sizes,
     resolves,
@@ -326,3 +327,24 @@ def test_an_edge_without_a_factor_is_not_refined_for_ever(size: float, stops: bo
     coarser = Pass(100, 0.1, (replace(edge(), contact="flat"),), True, ())
     known = hopeless(solution, (contact,), (coarser,))  # type: ignore[arg-type]
     assert ("round-off hides it" in known) == stops and "sharp corner" not in known
+
+
+def test_borders_without_a_front_get_far_smaller_elements(
+    cycled: tuple[Solution, tuple[Contact, ...]],
+) -> None:
+    solution, (contact,) = cycled
+    lack = Withheld(Lack.LOST, 1, 4, "lost")
+    stations = tuple(
+        replace(
+            unknown_station("front 1", number, len(solution.times), lack),
+            frame=Frame(*np.eye(3)),
+            point=np.array([0.0, number, 0.0]),
+            arc=float(number),
+            size=0.1,
+        )
+        for number in range(5)
+    )
+    lost = replace(contact, fronts=(Front("front 1", stations, False, 4.0),))
+    (places,) = fine_places(solution, solution.contacts[0], lost, 0.1)
+    assert places.sizes == pytest.approx(0.1 / BLIND)
+    assert (places.points[:, 1].min(), places.points[:, 1].max()) == (0.0, 4.0)
