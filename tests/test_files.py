@@ -24,7 +24,6 @@ SAFE = re.compile(r"\((new|buffer)\b|\bnew\.|opener=")
 FREE = {
     "mesh/contained.py": 6,  # a folder of tempfile
     "history/stream.py": 1,  # to memory
-    "report/pictures/surfaces.py": 1,  # to memory
 }
 
 

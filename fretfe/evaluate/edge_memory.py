@@ -216,15 +216,11 @@ class EdgeMemory:
         ways, fronts, hold = self.slip.way.astype(int), self.slip.front, self.hold
         apart = np.cumsum(hold[: len(ways)] <= 0)  # what was before is forgotten
         phases: list[tuple[int, int]] = []
-        along = against = 0.0
+        going, since = 0, 0.0
         for state in np.flatnonzero(taken > 0).tolist():
             way = ways[state]
-            if phases and way != phases[-1][1]:
-                against += taken[state]
-                if not against > least:
-                    continue
-            along = taken[state] + (along if phases and way == phases[-1][1] else 0.0)
-            if not along > least:
+            going, since = way, taken[state] + (since if way == going else 0.0)
+            if not since > least:
                 continue
             while (
                 phases
@@ -234,7 +230,6 @@ class EdgeMemory:
             ):
                 phases.pop()
             phases.append((state, way))
-            along = against = 0.0
         return phases
 
     @cached_property
@@ -408,9 +403,7 @@ class EdgeMemory:
         end = int(np.flatnonzero(fronts <= fronts[-1])[0])
         if lengths[end] < LEFT_BEHIND * lengths.max() or math.isinf(lengths[end]):
             end = int(np.flatnonzero(lengths >= (1 - SAME_RANGE) * lengths.max())[-1])
-        if begins[end] > begins[0]:
-            start = int(begins[end])
-        front, end = float(fronts[end]), int(states[end])
+        start, front, end = int(begins[end]), float(fronts[end]), int(states[end])
         front = max(front, self.slip.between(start, end, way).front)
         length = self.length(end, front) if self.knows(front, start) else math.nan
         return HalfCycle(start, turn, end, way, front, length)

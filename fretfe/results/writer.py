@@ -59,7 +59,6 @@ PICTURE_LIST = "pictures.json"
 # Folder with one for each free end around which parts were solved, and the file in it.
 ENDS = "ends"
 ANSWER = "end.json"
-PICTURE_FILES = ("*.png", "*.gif", "*.gltf")
 # Files of a run beside its pictures, the numbers first.
 RESULT_FILES = (
     NUMBERS,
@@ -150,8 +149,7 @@ def remove_old_report(directory: Path) -> None:
 def remove_pictures(directory: Path) -> None:
     """Remove the pictures of an earlier run; other files stay."""
     folder = directory / PICTURES
-    files = (path for kind in PICTURE_FILES for path in folder.glob(kind))
-    for path in [*files, folder / PICTURE_LIST]:
+    for path in [*folder.glob("*.png"), folder / PICTURE_LIST]:
         path.unlink(missing_ok=True)
 
 
