@@ -273,6 +273,12 @@ class SolidPasses(Passes):
         return load_mesh(finer_sweep(self._case, factor), size)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
+        before, now = (fronts_told(each) for each in (self._before, result.contacts))
+        if now < before:
+            raise MeshError(
+                f"mesh {len(self._done) + 1} tells K_N along {now} fronts, expected the {before} "
+                "of the mesh before: its results are not taken"
+            )
         values = solid_values(result.contacts, result.solution)
         changes = station_changes(self._before, result.contacts, result.solution, values)
         sizes = [station.size for each in result.contacts for station in each.stations]
@@ -287,6 +293,12 @@ class SolidPasses(Passes):
     def _make_finer(self, result: Result, mesh: Mesh) -> None:
         self._before = result.contacts
         self._places = _front_places(self._case, mesh, result.solution, result.contacts)
+
+
+def fronts_told(contacts: Sequence[Contact]) -> int:
+    """Number of fronts with K_N at any station."""
+    fronts = (front for each in contacts for front in each.fronts)
+    return sum(any(math.isfinite(e.reported_k_n) for e in front.stations) for front in fronts)
 
 
 def finer_sweep(case: Case, factor: float) -> Case:

@@ -15,7 +15,7 @@ from cases.cycled_sphere import FORCE, FRICTION, PEAK, cycles, tables
 from cases.pad_cases import pad, press
 from harness.told import Told
 
-from fretfe.backends import RunOptions
+from fretfe.backends import RunOptions, meshes
 from fretfe.backends.meshes import FINER, finer_sweep
 from fretfe.backends.passes import starting_mesh
 from fretfe.case import Case, parse_case
@@ -157,6 +157,19 @@ def test_solids_of_a_cad_file_refine_themselves(step: Path) -> None:
     worst = refinement.passes[-1].worst
     assert worst is not None and worst.change <= 0.05 and worst.front == "front 1"
     assert {each.quantity for each in refinement.passes[-1].changes} == {"K_N", "ΔK"}
+
+
+@pytest.mark.slow
+def test_a_mesh_that_tells_fewer_fronts_is_not_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    fronts = iter((0, 2, 2, 1))  # of no mesh and the first, and of both
+    monkeypatch.setattr(meshes, "fronts_told", lambda _: next(fronts))
+    geometry = {"template": "sphere", "parameters": {"size": 0.35, "growth": 0.6}}
+    result = BACKEND.solve(case(geometry, stations=8.0, local=False), RunOptions())
+    refinement = result.refinement
+    assert result.failure is None and refinement is not None
+    assert len(refinement.passes) == 1
+    assert refinement.reason.startswith("mesh 2 tells K_N along 1 fronts, expected the 2 of")
+    assert not list(fronts)
 
 
 @pytest.mark.slow

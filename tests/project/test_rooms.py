@@ -23,7 +23,7 @@ BESIDE_ROOMS = {"system", "project", "campaign", "cases", "reference", "harness"
 ROOM_LINES = {
     "_core": 0,
     "analytic": 1220,
-    "backends": 514,
+    "backends": 524,
     "bodies": 2746,
     "case": 2960,
     "cli": 1561,
