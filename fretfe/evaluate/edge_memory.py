@@ -238,7 +238,7 @@ class EdgeMemory:
         phases = self._phases
         if not phases:
             return ()
-        slips = np.flatnonzero((self.slip.way == phases[0][1]) & (self.slip.taken > 0))
+        slips = np.flatnonzero(self.slip.way == phases[0][1])
         starts = [int(slips[0]) - 1, *(end for end, _ in phases[:-1])]
         return tuple(
             self._half(start, turn, way) for start, (turn, way) in zip(starts, phases, strict=True)
@@ -415,7 +415,7 @@ class EdgeMemory:
         been covered since and stick.
         """
         found, apart = [], list[tuple[float, float, int]]()  # inner and outer ends, outward
-        slips = (self.slip.way == way) & (self.slip.taken > 0)
+        slips = self.slip.way == way
         for state in range(start + 1, turn + 1):
             hold = float(self.hold[state])
             while apart and apart[-1][0] >= hold:

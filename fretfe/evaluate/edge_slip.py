@@ -64,11 +64,7 @@ class Places:
     def gain(self, outward: Array) -> Array:
         """(T,) what it has gained at places (T,) between known ones."""
         if len(self.gained) < 2:
-            return (
-                self.gained[0] + 0 * outward
-                if len(self.gained)
-                else np.full_like(outward, math.nan)
-            )
+            return 0 * outward + (self.gained[0] if len(self.gained) else math.nan)
         number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(self.outward) - 2)
         way, (rate, bend) = outward - self.outward[number], self._pieces
         return np.asarray(self.gained[number] + way * (rate[number] + way * bend[number] / 2))
@@ -206,13 +202,13 @@ def places_of(
     rate = station.k_n[every] / (2 * station.unit[every])
     states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & (hold > 0))
     states = states[np.argsort(outward[states], kind="stable")]
-    if len(states):
-        apart = TOLERANCE * max(float(np.ptp(outward[states])), TOLERANCE * half_width)
-        states = states[np.diff(outward[states], prepend=-math.inf) > apart]
-    outward, hold, rate = outward[states], hold[states], rate[states]
-    gained = np.append(0.0, np.cumsum(np.diff(outward) * (rate[1:] + rate[:-1]) / 2))[: len(rate)]
     if not len(states):
-        return Places(outward, rate, 0.0, gained)
+        none = np.zeros(0)
+        return Places(none, none, 0.0, none)
+    apart = TOLERANCE * max(float(np.ptp(outward[states])), TOLERANCE * half_width)
+    states = states[np.diff(outward[states], prepend=-math.inf) > apart]
+    outward, hold, rate = outward[states], hold[states], rate[states]
+    gained = np.append(0.0, np.cumsum(np.diff(outward) * (rate[1:] + rate[:-1]) / 2))
     if exact and (np.diff(hold) > 0).all():
         # Straight down to the middle, where nothing is left of the hold.
         reach = half_width + float(outward[0]) + station.inward * station.position[station.last]
