@@ -399,10 +399,7 @@ class EdgeMemory:
         # That all slides in the end does not count if little is left of its zone by then.
         little = len(known) > 0 and known[-1] < LEFT_BEHIND * known.max()
         lengths = np.nan_to_num(lengths, nan=0.0 if little else math.inf)
-        # In the state of the deepest place, unless the edge has left most of its zone behind then.
-        end = int(np.flatnonzero(fronts <= fronts[-1])[0])
-        if lengths[end] < LEFT_BEHIND * lengths.max() or math.isinf(lengths[end]):
-            end = int(np.flatnonzero(lengths >= (1 - SAME_RANGE) * lengths.max())[-1])
+        end = int(np.flatnonzero(lengths >= (1 - SAME_RANGE) * lengths.max())[-1])
         start, front, end = int(begins[end]), float(fronts[end]), int(states[end])
         front = max(front, self.slip.between(start, end, way).front)
         length = self.length(end, front) if self.knows(front, start) else math.nan
