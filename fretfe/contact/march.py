@@ -434,7 +434,15 @@ class Division:
             least = min(1.0, 0.25 + count / MOST_PARTS) * (1.0 - done) / (MOST_PARTS - count)
             share = _reached(done, min(max(size, least), largest))
             loads = self._loads(number, share, state)
-            result = self._march.advance(state, begin, loads, guess=guess)
+            try:
+                result = self._march.advance(state, begin, loads, guess=guess)
+            except NotConverged:
+                # Loads on the way find no solution, as where all slides, or next to nothing touches.
+                if share == 1.0:
+                    raise
+                loads = self._loads(number, 1.0, state)
+                yield Part(1.0, self._march.advance(state, begin, loads))
+                return
             moved = self._moved(state, result.state, loads)
             size = (share - done) / float(np.clip(moved, 1 / FASTEST, FASTEST))
             if moved > TOLERATED and share - done > 1.01 * least:
