@@ -11,6 +11,7 @@ step, or loads turn, and friction acts, loads in between are solved too.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -66,12 +67,6 @@ class StepResult:
     fallbacks: int
     certificate: Certificate
     friction: Array
-
-    @property
-    def summary(self) -> str:
-        """Iterations and largest violation, in words."""
-        cut = f", cut into {self.parts} parts" if self.parts > 1 else ""
-        return f"{self.iterations} iterations{cut}, violation {self.certificate.worst:.0e}"
 
 
 def not_converged(number: int, count: int, failure: NotConverged) -> ConvergenceError:
@@ -357,14 +352,12 @@ class Part:
 def summary(parts: Sequence[Part]) -> str:
     """Iterations, parts and largest violation of a step, in words."""
     results = [each.result for each in parts]
-    worst = max((each.certificate for each in results), key=lambda certificate: certificate.worst)
-    together = replace(
-        results[-1],
-        iterations=sum(each.iterations for each in results),
-        parts=sum(each.parts for each in results),
-        certificate=worst,
+    iterations, count = (
+        sum(each) for each in zip(*((r.iterations, r.parts) for r in results), strict=True)
     )
-    return together.summary
+    worst = max(each.certificate.worst for each in results)
+    cut = f", cut into {count} parts" if count > 1 else ""
+    return f"{iterations} iterations{cut}, violation {worst:.0e}"
 
 
 class Division:
@@ -410,11 +403,17 @@ class Division:
         moved = self._moved(state, whole.state, end)
         if moved <= TOLERATED and fewest == 1:
             return [Part(1.0, whole)]
-        try:
-            return list(self._parts(number, state, 1 / max(moved, fewest), 1 / fewest))
-        except NotConverged:
-            # Loads on the way find no solution, as where the contact would slide as a whole.
-            return [Part(1.0, whole)]
+        parts = list[Part]()
+        with suppress(NotConverged):
+            for part in self._parts(number, state, 1 / max(moved, fewest), 1 / fewest):
+                parts.append(part)
+            return parts
+        # Loads on the way find no solution, as where all would slide, or nothing touches any more.
+        with suppress(NotConverged):
+            state = parts[-1].result.state if parts else state
+            end = self._loads(number, 1.0, state)
+            return [*parts, Part(1.0, self._march.advance(state, begin, end))]
+        return [Part(1.0, whole)]
 
     def _parts(
         self, number: int, state: ContactState, size: float, largest: float
@@ -434,15 +433,7 @@ class Division:
             least = min(1.0, 0.25 + count / MOST_PARTS) * (1.0 - done) / (MOST_PARTS - count)
             share = _reached(done, min(max(size, least), largest))
             loads = self._loads(number, share, state)
-            try:
-                result = self._march.advance(state, begin, loads, guess=guess)
-            except NotConverged:
-                # Loads on the way find no solution, as where all slides, or next to nothing touches.
-                if share == 1.0:
-                    raise
-                loads = self._loads(number, 1.0, state)
-                yield Part(1.0, self._march.advance(state, begin, loads))
-                return
+            result = self._march.advance(state, begin, loads, guess=guess)
             moved = self._moved(state, result.state, loads)
             size = (share - done) / float(np.clip(moved, 1 / FASTEST, FASTEST))
             if moved > TOLERATED and share - done > 1.01 * least:

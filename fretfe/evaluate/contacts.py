@@ -120,10 +120,9 @@ class SlipZone:
     """Slip at one station in one direction, from one reversal to the next.
 
     Attributes:
-        start, end: states between which the nodes slipped: from reversal to reversal, or to where
-            the zone is longest if the edge leaves most of it behind by drawing back.
+        start, end: states between which the nodes slipped: from a reversal to where it is longest.
         length: slip-zone length from the front at `end`, inward; NaN if the whole contact slipped.
-        border: position of its inner end along the arc.
+        border: position along the arc of the inner end of all slip up to the next reversal.
         spread: half the width of an interval that is meant to hold `length` with 95 %: border of
             the slip, position of the front, and extremes of the cycle between the steps; infinite
             where it cannot be told.
@@ -553,10 +552,15 @@ class Station(StationHistory):
     ]:
         """Place of the border of permanent stick by the plane problem, as `position`; else NaN.
 
-        That is the farthest inner end of the slip zones of the last two half cycles.
+        That is the farthest inner end of the slip zones of the last two half cycles, and what slip
+        of nodes comes deeper before or after they are longest.
         """
         zones = self.slip_zones[-2:]
-        inner = [self.position[zone.end] + zone.reported_local for zone in zones]
+        inner = [
+            zone.reported_local + each
+            for zone in zones
+            for each in [zone.border - zone.length if zone.length >= 0 else self.position[zone.end]]
+        ]
         return float(max(inner)) if inner and np.isfinite(inner).all() else math.nan
 
     @property
@@ -685,9 +689,9 @@ class Station(StationHistory):
         """Predicted length of a slip zone; NaN where K_N or the range in it is not told."""
         k_n = reported(float(self.k_n[zone.end]), float(self.k_n_spread[zone.end]))
         ranged = math.isfinite(self.reported_range) or not self.k_range > 0
-        if not (math.isfinite(k_n) and ranged):
-            return math.nan
-        return 0.0 if self.undriven else zone.prediction
+        if self.undriven or (ranged and zone.prediction == 0):
+            return 0.0
+        return zone.prediction if ranged and math.isfinite(k_n) else math.nan
 
 
 def without_formulas(station: Station) -> Station:

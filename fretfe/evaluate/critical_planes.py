@@ -14,7 +14,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -46,14 +45,11 @@ class OnPlanes:
     strain: Array
     normals: Array
 
-    @cached_property
-    def _normal_stress(self) -> Array:
-        return _component(self.stress, self.normals, self.normals)
-
     @property
     def largest_pull(self) -> Array:
         """(m, P) largest normal stress, zero on planes that are always pressed."""
-        return np.asarray(np.maximum(self._normal_stress.max(axis=0), 0.0))
+        normal = _component(self.stress, self.normals, self.normals)
+        return np.asarray(np.maximum(normal.max(axis=0), 0.0))
 
     @property
     def strain_range(self) -> Array:

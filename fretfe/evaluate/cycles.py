@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
 """Cycles: whether the evaluated one is steady, and those of irregular loads.
 
-Counted are the ranges of K from reversal to reversal, as if the edge had one size: at constant P
-that over f K_N is how far slip reaches. Where P moves the edge `edge_memory` tells that.
+Counted are the ranges of K from reversal to reversal, as if the edge had one size. How far slip
+reaches `edge_memory` tells.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from numpy.typing import NDArray
 from fretfe._typing import Array, Indices
 from fretfe.analytic._numerics import check_positive
 from fretfe.analytic.paths import rainflow
-from fretfe.evaluate.contacts import ROUND_OFF, SAME_RANGE, CountedCycles, StationHistory, no_cycles
+from fretfe.evaluate.contacts import ROUND_OFF, CountedCycles, StationHistory, no_cycles
+from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.history.solution import Solution
 from fretfe.history.state_array import StateArray, blocks
@@ -54,7 +55,11 @@ def reversals(values: Array) -> Indices:
 
 
 def count_cycles(
-    cycle: Indices, friction: Array, station: StationHistory, returns: bool = False
+    cycle: Indices,
+    friction: Array,
+    station: StationHistory,
+    memory: EdgeMemory | None = None,
+    returns: bool = False,
 ) -> CountedCycles:
     """Count the cycles of a station.
 
@@ -62,6 +67,7 @@ def count_cycles(
         cycle: states of the evaluated cycle; empty to count the whole history.
         friction: (T,) coefficient in the step that ends at each state.
         station: its factors.
+        memory: of the edge, which tells how far slip comes; None if that is not known.
         returns: whether all loads return in the cycle. Increments of an edge that moves need not
             add up to nothing then: K_T goes on from cycle to cycle, and slip does not.
     """
@@ -85,19 +91,13 @@ def count_cycles(
     # The repetition itself leads from the last reversal, which is the first one, on.
     counted = rainflow(shear[turns[:-1]] if closed else shear[turns], repeated=closed)
     start, end = order[turns[counted.start]], order[turns[counted.end]]
-    reach = counted.range
-    if not len(cycle) and int(states[0]) == first:
-        reach = np.maximum(reach, _first_loading(shear[turns])[counted.end])
-    ways = np.sort([start, end], axis=0).T
-    moved = np.array([np.ptp(f_hold[first : last + 1]) for first, last in ways])
-    reach = np.where(moved <= CLOSED * counted.range, reach, np.nan)
     return CountedCycles(
         start=start,
         end=end,
         count=counted.count,
         k_t_range=np.abs(station.k_t[end] - station.k_t[start]),
         k_t_mean=(station.k_t[end] + station.k_t[start]) / 2,
-        slip=reach / (friction.max() * station.k_n[end]),
+        slip=np.array([_slip_up_to(each, memory) for each in end.tolist()]),
         closed=closed,
         reason="",
     )
@@ -115,14 +115,14 @@ def _order(states: Indices, k_t: Array, returns: bool) -> tuple[Indices, bool]:
     return np.append(np.roll(period, -largest), period[largest]), True
 
 
-def _first_loading(values: Array) -> Array:
-    """(n,) twice the load at each reversal from the first on if it is the largest yet, else 0.
-
-    Beyond all that was before, slip reaches as far as if the load had grown from nothing.
-    """
-    loads = np.abs(values - values[0])
-    before = np.append(0.0, np.maximum.accumulate(loads)[:-1])
-    return np.asarray(np.where(loads > (1 + SAME_RANGE) * before, 2 * loads, 0.0))
+def _slip_up_to(end: int, memory: EdgeMemory | None) -> float:
+    """Slip length of the half cycle that ends in a state; NaN if P moves the edge in it."""
+    if memory is None:
+        return math.nan
+    half = next((each for each in memory.half_cycles if each.start < end <= each.turn), None)
+    if half is None:
+        return 0.0
+    return half.length if memory.station.at_rest(half.start, end, CLOSED) else math.nan
 
 
 def cycle_changes(

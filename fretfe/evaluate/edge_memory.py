@@ -16,17 +16,16 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any
+from functools import cached_property, partial
 
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import SAME_RANGE, StationHistory
 from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
-from fretfe.evaluate.load_path import LoadPath
+from fretfe.evaluate.load_path import LoadPath, straight
 
 # Slip that takes less than this part of f H is none: zones of so much of the half-width.
 UNDRIVEN = 1e-5
@@ -48,11 +47,12 @@ class HalfCycle:
 
     Attributes:
         start, turn: first state, and last one in which it slips on.
-        end: state in between of the deepest place, or of the longest zone if the edge draws back so
-            far that less than half of that is left.
+        end: state in between in which its zone is longest.
         way: 1 forward, -1 backward, 0 if nothing slips.
         front: hold of the inner end of the zone at `end`.
         length: of the zone; NaN if the whole contact slips.
+        deepest: states in between from which and in which slip comes deepest of what is left at
+            `turn`, also where places have been covered and stick since.
     """
 
     start: int
@@ -61,11 +61,12 @@ class HalfCycle:
     way: int
     front: float
     length: float
+    deepest: tuple[int, int]
 
     @classmethod
     def still(cls, start: int, end: int) -> HalfCycle:
         """One in which nothing slips."""
-        return cls(start, end, end, 0, math.nan, 0.0)
+        return cls(start, end, end, 0, math.nan, 0.0, (start, end))
 
 
 @dataclass(frozen=True)
@@ -80,6 +81,9 @@ class EdgeMemory:
         begin: state from which on it is followed.
         last: state up to which it is.
         rubbed: whether something may be locked in at the beginning.
+        times: (T,) numbers of the states, with a share of the step for instants within one.
+        loads: of the cycle, with which it ends, between its steps; None if they are straight
+            lines.
     """
 
     station: StationHistory
@@ -89,6 +93,8 @@ class EdgeMemory:
     begin: int
     last: int
     rubbed: bool
+    times: Array
+    loads: LoadPath | None
 
     @classmethod
     def of(
@@ -99,6 +105,7 @@ class EdgeMemory:
         stiffening: float = math.nan,
         half_width: float = math.nan,
         exact: bool = False,
+        loads: LoadPath | None = None,
     ) -> EdgeMemory | None:
         """Follow an edge; None where its factors are not known, or there is no friction.
 
@@ -109,6 +116,7 @@ class EdgeMemory:
             stiffening: relative growth of dP/da with the half-width.
             half_width: of the contact in the state `last` of the station.
             exact: whether its hold is known as well as its positions.
+            loads: of a cycle that ends with that state between its steps.
         """
         inside = slice(0, last + 1)
         hold, shear = station.hold[inside], station.shear[inside]
@@ -126,18 +134,58 @@ class EdgeMemory:
             begin=begin,
             last=last,
             rubbed=bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0,
+            times=np.arange(last + 1.0),
+            loads=loads,
         )
 
-    def refined(self, path: LoadPath) -> EdgeMemory:
-        """The same under the loads within the steps of the cycle; states are instants of that."""
-        station, friction = self.station, path.repeated(self.friction)
-        names = ("position", "hold", "shear", "unit", "k_n")
-        fine: dict[str, Any] = {name: path.refined(getattr(station, name)) for name in names}
-        fine |= {"slid": path.repeated(station.slid), "last": path.instant(station.last)}
-        station, last, begin = replace(station, **fine), len(friction) - 1, path.instant(self.begin)
-        gained = path.refined(self.gained)
+    @cached_property
+    def fine(self) -> EdgeMemory:
+        """The same at instants: as P moves the edge, and by the loads in the steps of a cycle."""
+        loads = self.loads
+        fine = self if loads is None else self._at(loads.times, loads.refined)
+        fine = fine._divided(np.ones(fine.last, dtype=bool), 16)
+        beside = np.zeros(fine.last, dtype=bool)
+        for half in fine.half_cycles:
+            beside[half.end - 1 : half.end + 1] = True
+        return fine._divided(beside, 16**2)
+
+    def _divided(self, steps: Bools, parts: int) -> EdgeMemory:
+        """The same at instants in some steps (T - 1,) that divide the largest hold into parts."""
+        hold = self.hold[: self.last + 1]
+        moved = np.abs(np.diff(hold)) * parts / np.nanmax(hold[self.begin :])
+        inside = np.where(steps, np.ceil(np.nan_to_num(moved)), 1).clip(1).astype(int)
+        ways = (np.arange(each) / each + step for step, each in enumerate(inside.tolist()))
+        times = np.concatenate([*ways, [self.last]])
+        return self._at(times, partial(straight, times=times))
+
+    def _at(self, times: Array, refined: Callable[[Array], Array]) -> EdgeMemory:
+        """The same at instants, which are its states."""
+        station, every = self.station, slice(0, self.last + 1)
+        values = station.position, station.hold, station.shear
+        position, hold, shear = (refined(each[every]) for each in values)
+        # An edge that P lifts off has no place in the end, but had one within the step.
+        gained = hold + refined(_filled(self.gained[every] - station.hold[every]))
+        unit = np.array([*map(self.places.unit_at, gained.tolist())])
+        ends = np.ceil(times).astype(np.int64)
+        begin, last = np.searchsorted(times, (self.begin, station.last % len(station.hold)))
+        station = replace(
+            station,
+            position=position,
+            hold=hold,
+            shear=shear,
+            unit=unit,
+            slid=np.where(times == ends, station.slid[ends], 0.0),
+            last=int(last),
+        )
         return replace(
-            self, station=station, friction=friction, gained=gained, begin=begin, last=last
+            self,
+            station=station,
+            friction=self.friction[ends],
+            gained=gained,
+            begin=int(begin),
+            last=len(times) - 1,
+            times=straight(self.times, times),
+            loads=None,
         )
 
     @cached_property
@@ -272,9 +320,11 @@ class EdgeMemory:
         equal = [e for e in known if self.equivalent_range(e) >= (1 - SAME_RANGE) * size]
         return equal[-1] if size > 0 else None
 
-    def slips(self, first: int) -> bool:
-        """True if a half cycle ends after a state."""
-        return any(each.turn > first for each in self.half_cycles)
+    def still(self, first: int) -> HalfCycle:
+        """One from a state on in which nothing slips, as far as there is a contact to tell that."""
+        hold = self.hold[first + 1 : self.last + 1]
+        held = np.flatnonzero(hold >= LEFT_BEHIND * hold.max())
+        return HalfCycle.still(first, first + 1 + int(held[-1]))
 
     def equivalent_range(self, half: HalfCycle) -> float:
         """Range f K_N d by what the edge stands on down to the inner end: dK_T at constant P.
@@ -399,11 +449,13 @@ class EdgeMemory:
         # That all slides in the end does not count if little is left of its zone by then.
         little = len(known) > 0 and known[-1] < LEFT_BEHIND * known.max()
         lengths = np.nan_to_num(lengths, nan=0.0 if little else math.inf)
+        inner = int(np.flatnonzero(fronts <= fronts[-1])[0])
+        deepest = int(begins[inner]), int(states[inner])
         end = int(np.flatnonzero(lengths >= (1 - SAME_RANGE) * lengths.max())[-1])
         start, front, end = int(begins[end]), float(fronts[end]), int(states[end])
         front = max(front, self.slip.between(start, end, way).front)
         length = self.length(end, front) if self.knows(front, start) else math.nan
-        return HalfCycle(start, turn, end, way, front, length)
+        return HalfCycle(start, turn, end, way, front, length, deepest)
 
     def _stretches(self, start: int, turn: int, way: int) -> list[tuple[int, float, int]]:
         """States in which an edge slips one way, inner end of what has slipped so, since when.
@@ -434,3 +486,11 @@ class EdgeMemory:
         slipped = self.slip.front[self.begin : state + 1]
         deepest = float(np.nanmin(slipped)) if np.isfinite(slipped).any() else math.inf
         return front >= deepest - BEHIND * (self.unknown - deepest)
+
+
+def _filled(values: Array) -> Array:
+    """(T,) values of which those that are not known lie between their neighbours."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return values
+    return np.asarray(np.interp(np.arange(len(values)), known, values[known]))

@@ -32,12 +32,16 @@ class Places:
         rate: (n,) what it gains there a length.
         bend: change of that with the place, inward of the first one.
         gained: (n,) what it has gained.
+        unit: (n,) factors of the edge.
+        middle: place of the middle of the contact; NaN if not known.
     """
 
     outward: Array
     rate: Array
     bend: float
     gained: Array
+    unit: Array
+    middle: float
 
     @cached_property
     def _pieces(self) -> tuple[Array, Array]:
@@ -60,6 +64,17 @@ class Places:
         if not square >= 0:
             return math.nan
         return float(self.outward[number]) + 2 * more / (rate + math.sqrt(square))
+
+    def unit_at(self, gained: float) -> float:
+        """Factor of the edge where it has gained so much: one over the root of its size.
+
+        That is straight between places, and to nothing in the middle (exact for half-planes).
+        """
+        place, sizes = self.at(gained), self.unit**-2.0
+        if place < self.outward[0] and math.isfinite(self.middle):
+            share = (place - self.middle) / (self.outward[0] - self.middle)
+            return float(self.unit[0] / math.sqrt(share)) if share > 0 else math.inf
+        return float(np.interp(place, self.outward, sizes) ** -0.5)
 
     def gain(self, outward: Array) -> Array:
         """(T,) what it has gained at places (T,) between known ones."""
@@ -198,22 +213,24 @@ def places_of(
         stiffening: relative growth of dP/da with the half-width in that state; NaN if not known.
     """
     every = slice(0, last + 1)
-    outward, hold = -station.inward * station.position[every], station.hold[every]
-    rate = station.k_n[every] / (2 * station.unit[every])
+    outward, hold, unit = -station.inward * station.position[every], station.hold, station.unit
+    hold, unit = hold[every], unit[every]
+    rate = station.k_n[every] / (2 * unit)
     states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & (hold > 0))
     states = states[np.argsort(outward[states], kind="stable")]
+    middle = -station.inward * station.position[station.last] - half_width
     if not len(states):
         none = np.zeros(0)
-        return Places(none, none, 0.0, none)
+        return Places(none, none, 0.0, none, none, middle)
     apart = TOLERANCE * max(float(np.ptp(outward[states])), TOLERANCE * half_width)
     states = states[np.diff(outward[states], prepend=-math.inf) > apart]
     outward, hold, rate = outward[states], hold[states], rate[states]
     gained = np.append(0.0, np.cumsum(np.diff(outward) * (rate[1:] + rate[:-1]) / 2))
-    if exact and (np.diff(hold) > 0).all():
-        # Straight down to the middle, where nothing is left of the hold.
-        reach = half_width + float(outward[0]) + station.inward * station.position[station.last]
-        return Places(outward, rate, 2 * (rate[0] - hold[0] / reach) / reach, hold)
     bend = stiffening * rate[0] if math.isfinite(stiffening) else 0.0
     if rate.max() > WIDE * rate.min():
         bend = (rate[-1] - rate[0]) / (outward[-1] - outward[0])
-    return Places(outward, rate, float(bend), gained)
+    if exact and (np.diff(hold) > 0).all():
+        # Straight down to the middle, where nothing is left of the hold.
+        reach, gained = outward[0] - middle, hold
+        bend = 2 * (rate[0] - hold[0] / reach) / reach
+    return Places(outward, rate, float(bend), gained, unit[states], float(middle))

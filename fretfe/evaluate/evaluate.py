@@ -22,14 +22,14 @@ from fretfe.evaluate.contacts import (
     unknown_station,
 )
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
-from fretfe.evaluate.loaded import opening_text, whole_sliding, with_own_cycle
+from fretfe.evaluate.loaded import whole_sliding, with_own_cycle
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_endless, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
 from fretfe.evaluate.plane.symmetry import NO_EDGE, whole_contact
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.resultants import force_ranges, plane_resultants, solid_resultants
-from fretfe.evaluate.warnings import about, plane_warnings, solid_warnings
+from fretfe.evaluate.warnings import plane_warnings, solid_warnings
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Solution
@@ -153,11 +153,8 @@ def _evaluate_contact(
                 found = _of_half(solution, contact, image, found)
         found = _sliding(solution, found, share)
         loaded = with_own_cycle(solution, whole.contact)
-        opens = opening_text(solution, loaded, whole.contact)
-        warnings = [
-            *about(contact.name, "", [(Kind.PATCH_EVENTS, opens)] if opens else []),
-            *plane_warnings(loaded, whole.contact, found["fronts"], changes, slides=share > 0),
-        ]
+        fronts = found["fronts"]
+        warnings = plane_warnings(loaded, whole.contact, fronts, changes, slides=share > 0)
     return Contact(
         name=contact.name,
         pair=contact.pair,

@@ -19,6 +19,13 @@ from fretfe._typing import Array
 STRAIGHT = 1e-9
 
 
+def straight(values: Array, times: Array) -> Array:
+    """Values (T,) of all states at times, which are numbers of states and shares of steps."""
+    before, after = np.floor(times).astype(np.int64), np.ceil(times).astype(np.int64)
+    within = values[before] + (times - before) * (values[after] - values[before])
+    return np.where(after > before, within, values[before])
+
+
 @dataclass(frozen=True)
 class LoadPath:
     """The loads of a cycle of n steps, at the ends of its steps and at S places within each.
@@ -34,14 +41,11 @@ class LoadPath:
     bulges: Array
 
     @property
-    def parts(self) -> int:
-        """Into which the instants divide a step."""
-        return self.bulges.shape[1] + 1
-
-    @property
-    def last(self) -> int:
-        """State with which the cycle ends."""
-        return self.first + len(self.bulges)
+    def times(self) -> Array:
+        """The instants to the end of the cycle, as of `straight`."""
+        count, inner, _ = self.bulges.shape
+        within = np.arange(count * (inner + 1) + 1) / (inner + 1)
+        return np.append(np.arange(self.first), self.first + within)
 
     def refine(self, factor: Array) -> Array:
         """A factor (T,) of all states at the (n (S + 1) + 1,) instants of the cycle."""
@@ -57,15 +61,6 @@ class LoadPath:
     def refined(self, values: Array) -> Array:
         """Values (T,) of all states to the end of the cycle, with the instants in its steps."""
         return np.append(values[: self.first], self.refine(values))
-
-    def repeated(self, values: Array) -> Array:
-        """The same of values that hold in the steps to the states."""
-        first, parts = self.first + 1, self.parts
-        return np.append(values[:first], np.repeat(values[first : self.last + 1], parts))
-
-    def instant(self, state: int) -> int:
-        """A state among the instants of `refined`."""
-        return state + (self.parts - 1) * max(state - self.first, 0)
 
 
 def excess(factor: Array, path: LoadPath | None) -> float:

@@ -118,9 +118,11 @@ def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
         return solution
     first, last = solution.cycle
     force = normal_force(contact)
-    runs = loaded_runs(solution, contact, force)
-    if not runs:
+    inside = _with_edges(contact, force, first, last)
+    if not inside.any():
         return solution
+    ends = np.flatnonzero(np.diff(inside, prepend=False, append=False)).reshape(-1, 2)
+    runs = [(first + int(begin), first + int(end) - 1) for begin, end in ends]
     shear, pressed = _resultant(contact, 1), [force[begin : end + 1].max() for begin, end in runs]
     heavy = [run for run, each in zip(runs, pressed, strict=True) if 2 * each >= max(pressed)]
     widest = _largest(heavy, [np.ptp(shear[begin : end + 1]) for begin, end in heavy])
@@ -136,43 +138,6 @@ def _largest(runs: Runs, values: Sequence[float]) -> Runs:
     """Those of some runs of states at which a value is largest."""
     least = (1 - EQUAL_LOADS) * max(values)
     return [run for run, value in zip(runs, values, strict=True) if value >= least]
-
-
-def loaded_runs(solution: Solution, contact: ContactHistory, force: Array) -> Runs:
-    """First and last state of each run of states of the cycle in which a contact has edges.
-
-    Args:
-        solution: the solved history, with a cycle.
-        contact: one of its contacts.
-        force: (T,) its P.
-    """
-    assert solution.cycle is not None
-    first, last = solution.cycle
-    inside = _with_edges(contact, force, first, last)
-    ends = np.flatnonzero(np.diff(inside, prepend=False, append=False)).reshape(-1, 2)
-    return [(first + int(begin), first + int(end) - 1) for begin, end in ends]
-
-
-def opening_text(whole: Solution, own: Solution, contact: ContactHistory) -> str:
-    """Which part of a cycle within which a contact opens is evaluated; empty if it does not.
-
-    Args:
-        whole: the solved history.
-        own: the same with the part of the cycle that is evaluated.
-        contact: a plane one.
-    """
-    if whole.cycle is None or own.cycle is None or own.cycle == whole.cycle:
-        return ""
-    if contact.node_range is not None:
-        return ""
-    if len(loaded_runs(whole, contact, normal_force(contact))) < 2:
-        return ""
-    first, last = (own.times[state] for state in own.cycle)
-    return (
-        f"it opens within the evaluated cycle: of the parts in which it carries load that from t = "
-        f"{first:.6g} to {last:.6g} is evaluated, in which Q swings most; cycles of the others are "
-        "not counted"
-    )
 
 
 def slides_as_a_whole(contact: ContactHistory) -> Bools:

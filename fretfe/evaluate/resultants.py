@@ -45,16 +45,12 @@ def load_extremes(contacts: Sequence[Contact], cycle: tuple[int, int] | None) ->
     if last < first or any(known):
         return station_extremes(stations, cycle) if stations else [last]
     forces = (each.shear_force if solid else each.shear_vectors for each in contacts)
-    shear = max((_principal(each[states]) for each in forces), key=np.ptp)
+    inside = (each[states] for each in forces)
+    shear = max((each @ shear_direction(each) for each in inside), key=np.ptp)
     normal = max((each.normal_force[states] for each in contacts), key=np.ptp)
     load = shear if np.ptp(shear) > SMALLEST_SHEAR * np.abs(normal).max() else normal
     found = sorted({first + int(load.argmax()), first + int(load.argmin())})
     return found if len(found) == 2 else [last]
-
-
-def _principal(force: Array) -> Array:
-    """(n,) components of forces (n, d) along the direction in which they vary most."""
-    return np.asarray(force @ shear_direction(force))
 
 
 def shear_direction(force: Array) -> Array:

@@ -13,7 +13,6 @@ from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
 from fretfe.evaluate.contacts import NOTHING, SlipZone, StationHistory
 from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
-from fretfe.evaluate.load_path import LoadPath
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
@@ -108,37 +107,14 @@ def half_cycles(
         return (HalfCycle.still(max(last - 1, memory.begin), last),)
     found = memory.longest(cycle) if irregular else memory.half_cycles
     if irregular or not len(cycle):
-        return found or (HalfCycle.still(memory.begin, last),)
+        return found or (memory.still(memory.begin),)
     inside = [each for each in found if each.turn > cycle[0]]
     if not inside:
-        return (HalfCycle.still(int(cycle[0]), last),)
+        return (memory.still(int(cycle[0])),)
     if len(inside) > 1 and memory.cut_off(inside[-1], inside[:-1]):
         inside, found = inside[:-1], found[:-1]
     # First loading stands beside no single half cycle of the evaluated ones.
     return found if len(inside) > 1 else tuple(inside)
-
-
-def slip_zones(
-    cycle: States,
-    friction: Array,
-    station: StationHistory,
-    find_border: FindBorder,
-    irregular: bool = False,
-) -> tuple[SlipZone, ...]:
-    """Slip zones of an edge between similar bodies in its half cycles.
-
-    Args:
-        cycle: states of the evaluated cycle.
-        friction: (T,) coefficient in the step that ends at each state.
-        station: position and factors.
-        find_border: gives the slip zone of a half cycle.
-        irregular: as of `half_cycles`.
-    """
-    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
-    if memory is None:
-        return ()
-    halves = half_cycles(cycle, memory, irregular, pressed=False)
-    return zones_of(cycle, memory, halves, find_border)
 
 
 def zones_of(
@@ -146,7 +122,6 @@ def zones_of(
     memory: EdgeMemory,
     halves: Sequence[HalfCycle],
     find_border: FindBorder,
-    path: LoadPath | None = None,
     pressed: bool = False,
     unlike: bool = False,
 ) -> tuple[SlipZone, ...]:
@@ -157,12 +132,10 @@ def zones_of(
         memory: of its edge.
         halves: its half cycles that are told.
         find_border: gives the slip zone of a half cycle.
-        path: loads of the cycle between its steps, unless they are straight lines.
         pressed: as of `half_cycles`.
         unlike: whether bodies are unlike, so that P makes slip, which the memory leaves out.
     """
     station, friction = memory.station, memory.friction
-    fine = None if path is None or unlike else memory.refined(path)
     zones = []
     for half in halves:
         start, end = half.start, half.turn if unlike else half.end
@@ -189,14 +162,16 @@ def zones_of(
         if not unlike and border.length > 0:
             border, doubt = _without_steps(border, memory.misplaced(half))
             spread = math.hypot(spread, doubt)
-        missed = 0.0 if fine is None or path is None else _missed(half, fine, path)
+        missed = 0.0 if unlike else _missed(half, memory.fine)
+        # Known to a good part of itself, or nothing is there to be known.
+        told = border.gross or border.length == 0 or spread <= LARGEST_SPREAD * border.length
         zone = SlipZone(
             start=start,
             end=end,
             length=border.length,
-            border=float(station.position[end]) + station.inward * border.length,
+            border=_innermost(half, station, border, find_border),
             spread=math.hypot(spread, missed),
-            resolved=border.resolved and _told(border, spread),
+            resolved=border.resolved and told,
             gross=border.gross,
             predicted=cyclic,
             predicted_loop=loop,
@@ -204,6 +179,19 @@ def zones_of(
         )
         zones.append(_doubted(zone, border.spread, foretold))
     return tuple(zones)
+
+
+def _innermost(
+    half: HalfCycle, station: StationHistory, border: SlipBorder, find_border: FindBorder
+) -> float:
+    """Position of the inner end of slip where that comes deepest; NaN where it is not resolved."""
+    start, end = half.deepest
+    if half.way and end != half.end:
+        border = find_border(start, end)
+        border = border if border.resolved else replace(border, length=math.nan)
+    else:
+        end = half.end
+    return float(station.position[end]) + station.inward * border.length
 
 
 def _asymptote(memory: EdgeMemory, half: HalfCycle) -> float:
@@ -230,17 +218,16 @@ def _without_steps(border: SlipBorder, misplaced: float) -> tuple[SlipBorder, fl
     return replace(border, length=length), MISPLACED * abs(misplaced)
 
 
-def _told(border: SlipBorder, spread: float) -> bool:
-    """True if the length is known to a good part of itself, or there is none to be known."""
-    return border.gross or border.length == 0 or spread <= LARGEST_SPREAD * border.length
-
-
-def _missed(half: HalfCycle, fine: EdgeMemory, path: LoadPath) -> float:
-    """Length by which a zone that ends between two steps is longer, by the loads within them."""
-    first, last = (path.instant(half.end + each) for each in (-1, 1))
-    near = [e for e in fine.half_cycles if e.way == half.way and first < e.end < last]
-    missed = near[-1].length - half.length if near else 0.0
-    return abs(missed) if math.isfinite(missed) else 0.0
+def _missed(half: HalfCycle, fine: EdgeMemory) -> float:
+    """Length by which a zone is longer within steps than it is as they end."""
+    near = [
+        each.length - half.length
+        for each in fine.half_cycles
+        if each.way == half.way
+        and fine.times[each.start] < half.turn
+        and fine.times[each.turn] > half.start
+    ]
+    return max((each for each in near if each > 0), default=0.0)
 
 
 def _doubted(zone: SlipZone, spread: float, foretold: float) -> SlipZone:

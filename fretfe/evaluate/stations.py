@@ -42,7 +42,7 @@ from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import LoadPath, load_path
-from fretfe.evaluate.loaded import decisive_state
+from fretfe.evaluate.loaded import decisive_state, left_out
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import (
     FindBorder,
@@ -136,10 +136,6 @@ class EdgeData(ABC):
     @abstractmethod
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
-
-    def beside(self, number: int, along: Array, states: Indices) -> float:
-        """Range of a factor (T,) over states that may lie in others, in which there is no edge."""
-        return 0.0
 
     @abstractmethod
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
@@ -271,18 +267,27 @@ class EdgeData(ABC):
         history = replace(history, slid=self.slid(number, direction), **vars(loads))
         along = replace(history, k_t=vectors @ direction)
         states = self.ranged(along.k_t)
-        cycles = count_cycles(cycle, friction, along, self.steps.whole.loads.returns)
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         swing = cycle_range(along.k_t, states)
         stiffening = moved.stiffening if math.isfinite(moved.spread) else math.nan
         last, end = last_state(cycle, along), len(along.k_t) - 1
-        memory = self._memory(number, along, last, stiffening)
-        whole = memory if end == last else self._memory(number, along, end, stiffening)
+        remember = partial(
+            EdgeMemory.of,
+            along,
+            friction,
+            stiffening=stiffening,
+            half_width=float(self.half_widths[number]),
+            exact=bool(self.factors.exact),
+        )
+        memory = remember(last, loads=self.path)
+        whole = memory if end == last else remember(end)
+        cycles = count_cycles(cycle, friction, along, memory, self.steps.whole.loads.returns)
         unresolved = self.unresolved(number, direction)
         spread = self.factors.range_spread(number, direction, unresolved, states, self.path)
-        beside, layer = self.beside(number, along.k_t, states), self.layer(number).range_error
-        spread = replace(spread, layer=layer * swing, beside=beside)
+        beside = left_out(self.steps.whole.cycle, states, self.force)
+        layer = self.layer(number).range_error
+        spread = replace(spread, layer=layer * swing, beside=beside * swing)
         point, frame = self.place(number, history.decisive)
         fits, fitted = self.factors.fitted, math.nan
         if fits is not None:
@@ -370,27 +375,24 @@ class EdgeData(ABC):
         lift = max(float(short[most_loaded(self.force, np.arange(self.last + 1))]), 0.0)
         return replace(found, hold=np.where(touching, found.hold + lift, found.hold))
 
-    def _memory(
-        self, number: int, along: StationHistory, last: int, stiffening: float
-    ) -> EdgeMemory | None:
-        """Memory of an edge up to a state, with K along the direction in which it varies."""
-        width, exact = float(self.half_widths[number]), bool(self.factors.exact)
-        return EdgeMemory.of(along, self.frictions[number], last, stiffening, width, exact)
-
     def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
         """Largest half cycles of the evaluated cycle, and of the whole history."""
         found: dict[str, Any] = {}
         if memory is not None and len(self.cycle) and not self.steps.dundurs:
-            first = int(self.cycle[0])
-            if (largest := memory.largest(first)) is not None:
-                size = found["equivalent_range"] = memory.equivalent_range(largest)
-                misheld = memory.misheld(largest), memory.doubt(largest) * size
+            fine = memory.fine
+            first = int(np.searchsorted(fine.times, self.cycle[0]))
+            if (largest := fine.largest(first)) is not None:
+                size = found["equivalent_range"] = fine.equivalent_range(largest)
+                misheld = fine.misheld(largest), fine.doubt(largest) * size
                 found["equivalent_misheld"] = math.hypot(*misheld)
-            elif not memory.slips(first):
+            elif not any(each.turn > first for each in fine.half_cycles):
                 found["equivalent_range"] = 0.0
-        largest = whole.largest() if whole is not None and whole.sure else None
-        if whole is not None and largest is not None:
-            found |= {"largest_start": largest.start, "largest_end": largest.end}
+        if whole is None or not whole.sure:
+            return found
+        whole = whole if self.steps.dundurs else whole.fine
+        if (largest := whole.largest()) is not None:
+            found["largest_start"] = math.floor(whole.times[largest.start])
+            found["largest_end"] = math.ceil(whole.times[largest.end])
             found["largest_range"] = whole.equivalent_range(largest)
             found["largest_slip"] = math.nan if self.steps.dundurs else largest.length
         return found
@@ -428,7 +430,6 @@ class EdgeData(ABC):
             memory,
             halves,
             self.border(number, memory.station.position, outer, growth),
-            self.path,
             self.pressed[number] and self.steps.dundurs != 0,
             self.steps.dundurs != 0,
         )

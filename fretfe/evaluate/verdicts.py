@@ -176,7 +176,8 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
     if _still(zone):
         return _judge_still(station, zone)
     if math.isfinite(zone.reported_local):
-        return _judge_local(station, zone)
+        nodes = beside_nodes(station, zone)
+        return nodes if nodes.verdict == Verdict.DIFFERS else beside_formula(station, zone)
     # An edge that moves is described over the longer of the two zones, which ends where it was.
     last = station.slip_zones[-2:]
     lengths = [each.length for each in last if not (each.gross or each.unknown)]
@@ -276,12 +277,6 @@ def _beside_formula(
         reason += ". Long against the edge's own length: use the computed length"
         return Judgement(Verdict.OUTSIDE, reason, tolerance)
     return Judgement(Verdict.DIFFERS, reason, tolerance)
-
-
-def _judge_local(station: Station, zone: SlipZone) -> Judgement:
-    """Compare the length by the plane problem with the slip of the nodes and (11) or (8)."""
-    nodes = beside_nodes(station, zone)
-    return nodes if nodes.verdict == Verdict.DIFFERS else beside_formula(station, zone)
 
 
 def beside_nodes(station: Station, zone: SlipZone) -> Judgement:

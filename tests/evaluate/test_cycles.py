@@ -17,7 +17,9 @@ NO_CYCLE = np.array([], dtype=np.int64)
 
 def counted(k_t: np.ndarray, cycle: np.ndarray = NO_CYCLE) -> CountedCycles:
     station = edge_history(np.asarray(k_t, dtype=float))
-    return count_cycles(cycle, np.full(len(k_t), FRICTION), station)
+    friction = np.full(len(k_t), FRICTION)
+    memory = EdgeMemory.of(station, friction, len(k_t) - 1)
+    return count_cycles(cycle, friction, station, memory)
 
 
 def memory_of(k_t: np.ndarray) -> EdgeMemory:

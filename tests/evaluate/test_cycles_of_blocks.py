@@ -11,7 +11,7 @@ from cases.halfplane_problems import LIMIT, LOAD, evaluated, problem
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact
-from fretfe.evaluate.loaded import loaded_runs, normal_force, with_own_cycle
+from fretfe.evaluate.loaded import with_own_cycle
 from fretfe.halfplane import solve_half_planes
 
 # P falls to a twentieth, Q goes to .5 and back to -.25 of its limit at full P.
@@ -68,5 +68,4 @@ def test_of_several_loaded_parts_that_with_the_largest_swing_of_q_counts() -> No
         each[apart[1] :, :, 1] *= 0.5
     pair = replace(pair, traction=traction, mean_traction=mean)
     whole = replace(solution, contacts=(pair,), cycle=(int(ends[0]), int(ends[-1])))
-    assert len(loaded_runs(whole, pair, normal_force(pair))) == 3
     assert with_own_cycle(whole, pair).cycle == (apart[0] + 1, apart[1] - 1)

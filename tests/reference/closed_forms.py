@@ -307,16 +307,16 @@ def _station(
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
     path = load_path(loads.values, loads.between, loads.cycle)
-    cycles = count_cycles(cycle, problem.friction, history, problem.history.returns)
     ends = np.arange(len(position))
     state = decisive_state(problem.normal_force, history.k_t, cycle, ends)
     history = replace(history, decisive=state)
     a, end = float((contact.right - contact.left)[last] / 2), last_state(cycle, history)
-    memory = EdgeMemory.of(history, problem.friction, end, half_width=a)
+    memory = EdgeMemory.of(history, problem.friction, end, half_width=a, loads=path)
+    cycles = count_cycles(cycle, problem.friction, history, memory, problem.history.returns)
     zones: tuple[SlipZone, ...] = ()
     if memory is not None:
         halves = half_cycles(cycle, memory, cycles.irregular, False)
-        zones = zones_of(cycle, memory, halves, borders, path)
+        zones = zones_of(cycle, memory, halves, borders)
     spread = RangeSpread(0.0, 0.0, excess(history.k_t, path))
     k_range = cycle_range(history.k_t, cycle)
     station = Station(

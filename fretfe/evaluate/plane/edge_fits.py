@@ -21,7 +21,7 @@ from fretfe.evaluate.missing_shear import (
 from fretfe.evaluate.plane.gap_shape import with_gap_shape
 from fretfe.evaluate.plane.kink_fit import find_kink, fit_beside_kink, near_kink
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, fit_edge
-from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, Section, plane_sections
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, plane_sections
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import blocks
 
@@ -146,7 +146,9 @@ def _unlike_fit(
     section, across = (
         plane_sections(arc, pressure, each)[front.number] for each in (pressure, shear)
     )
-    ratio = _shear_over_pressure(section, across)
+    # Next to the edge, without the outermost node.
+    pulled, pressed = (x.values[:, 1 : NEXT_TO_EDGE + 1].sum(axis=1) for x in (across, section))
+    ratio = pulled / pressed
     exponent = sliding_exponent(contact.surface.dundurs, front.inward * ratio)
     missing = front.inward * (shear - ratio[:, None] * pressure)
     # The status of the outermost node means nothing.
@@ -164,9 +166,3 @@ def _unlike_fit(
     position = widened(fit.spread_position, fit.position, [each.position for each in others])
     k_n = widened(fit.spread_k_n, fit.k_n, [each.k_n for each in others])
     return replace(fit, spread_position=position, spread_k_n=k_n)
-
-
-def _shear_over_pressure(pressure: Section, shear: Section) -> Array:
-    """(T,) mean ratio of shear to pressure next to the edge, without the outermost node."""
-    near = slice(1, NEXT_TO_EDGE + 1)
-    return np.asarray(shear.values[:, near].sum(axis=1) / pressure.values[:, near].sum(axis=1))

@@ -293,12 +293,8 @@ def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> W
     outermost = front.outermost(patch)
     if front.from_front(np.arange(len(x)))[0] == outermost:
         return Withheld(Lack.SURFACE_ENDS)
-    nodes = nodes_over_rise(pressure, patch, front)
+    # In contact from the edge to the largest pressure on its side of the patch.
+    inward = front.from_front(pressure[patch.first : patch.last + 1])
+    nodes = int(np.argmax(inward[: (len(inward) + 1) // 2])) + 1
     kind = Lack.STEEP if nodes < WANTED_TO_PEAK else Lack.NO_ROOT
     return Withheld(kind, nodes, WANTED_TO_PEAK)
-
-
-def nodes_over_rise(pressure: Array, patch: Patch, front: PlaneFront) -> int:
-    """Nodes in contact from the edge to the largest pressure on its side of a patch."""
-    inward = front.from_front(pressure[patch.first : patch.last + 1])
-    return int(np.argmax(inward[: (len(inward) + 1) // 2])) + 1

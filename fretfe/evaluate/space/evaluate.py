@@ -221,7 +221,9 @@ def _interpolate(
         if not there.any():
             continue
         order = np.flatnonzero(there)[np.argsort(x[there])]
-        width, widths = (_narrowed(depth[station], each) for each in (at[found], x[order]))
+        # Half of the width where the front is some way inward; a tenth of it at least.
+        half, least = depth[station], 0.1 * depth[station]
+        width, widths = (np.maximum(half - each, least) for each in (at[found], x[order]))
         own = rotated(values[order, station], dundurs, widths)
         flat = widths[:, None] ** power * own.reshape(len(order), -1)
         columns = [np.interp(at[found], x[order], column) for column in flat.T]
@@ -229,8 +231,3 @@ def _interpolate(
         factors = factors.reshape(-1, *values.shape[2:])
         result[found, station] = rotated(factors, dundurs, 1 / width)
     return result
-
-
-def _narrowed(depth: float, place: Array) -> Array:
-    """Half of the width where the front is some way inward; a tenth of it at least."""
-    return np.asarray(np.maximum(depth - place, 0.1 * depth))

@@ -689,7 +689,9 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
     s = _along(front, station, np.array([each.arc for each in told]))
     order = min(2 if front.closed else 1, len(s) - 1)
     weights = 1 / np.maximum(bars, 1e-3 * k_n)
-    curve = np.polynomial.Polynomial.fit(s, k_n, order, w=weights) if order else _mean(k_n)
+    curve = np.polynomial.Polynomial([float(k_n.mean())])
+    if order:
+        curve = np.polynomial.Polynomial.fit(s, k_n, order, w=weights)
     rest = INTERVAL * float(np.std(k_n - curve(s))) / math.sqrt(len(s))
     # Of so many the curve is the mean; a parabola through three goes through the middle one.
     alike = float(min(len(s), INDEPENDENT))
@@ -711,10 +713,6 @@ def _mean_k_n(station: Station) -> tuple[float, float]:
     zone = predicted[-1] if predicted else station.reference_length
     ratio = (MEAN_LENGTH * zone / station.reference_length) ** (station.exponent - 0.5)
     return ratio * k_n, ratio * bar
-
-
-def _mean(values: Array) -> np.polynomial.Polynomial:
-    return np.polynomial.Polynomial([float(values.mean())])
 
 
 def _unposed(station: Station) -> str:

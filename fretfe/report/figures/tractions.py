@@ -546,8 +546,8 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
 
 def _mark_zone(axes: Axes, edge: Station, zone: SlipZone, height: float) -> None:
     """The inner end of a slip zone as found and as predicted."""
-    predicted = edge.position[zone.end] + inward(edge) * edge.told_prediction(zone)
-    for place, mark in ((zone.border, "o"), (predicted, "x")):
+    for length, mark in ((zone.length, "o"), (edge.told_prediction(zone), "x")):
+        place = edge.position[zone.end] + inward(edge) * length
         (point,) = axes.plot(place, height, mark, mfc="none", color="black", ms=6)
         # Whole at the first and last state too, beyond the frame.
         point.set(clip_on=False, in_layout=False)

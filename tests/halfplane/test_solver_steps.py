@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""A mission of straight ramps tells the same however these are divided into steps.
+
+Bodies are pressed to P/3 without shear and to P with three quarters of what friction takes, and
+unloaded to nothing in proportion, which takes two thirds of that back: what is left makes places
+beyond P/3 slip on, and most of them where P is 2/3.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+from cases.halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
+
+from fretfe.evaluate.contacts import Station
+
+CORNERS = np.array([[1 / 3, 0], [1, 0.5], [0, 0], [1 / 3, 0], [1, 0.5], [0, 0]])
+# Slip zone where it is longest: the edge is at 2/3 of P, its inner end where that was at 1/3.
+LONGEST = HERTZ.half_width(2 / 3 * LOAD) - HERTZ.half_width(LOAD / 3)
+# Twice f K_I of what the edge stands on there: K_I of P is P over pi sqrt(2 a).
+RANGE = 2 * FRICTION * LOAD / 3 / (math.pi * math.sqrt(2 * HERTZ.half_width(2 / 3 * LOAD)))
+
+
+def edges_after(parts: int, tension: float = 0.0) -> tuple[Station, ...]:
+    """Edges after the mission, twice, with some steps a ramp."""
+    numbers = np.arange(len(CORNERS))
+    places = np.linspace(0, numbers[-1], numbers[-1] * parts + 1)
+    p, q = (np.interp(places, numbers, each) for each in CORNERS.T)
+    given = problem(
+        p * LOAD, q * LIMIT, 0.0, q * tension, frictional_press=True, cycle=3 * parts
+    )  # fmt: skip
+    return tuple(solved(given).stations)
+
+
+@pytest.mark.parametrize("parts", [1, 2, 7])
+def test_the_longest_zone_of_a_ramp_that_no_step_ends_with(parts: int) -> None:
+    for edge in edges_after(parts):
+        # A sixteenth of a sixteenth of P, and half of that as ranges turn round.
+        assert edge.equivalent_range == pytest.approx(RANGE, rel=3e-3)
+        zone = edge.longest_zone
+        assert zone is not None
+        # The root of nodes that is found is off by 1 % of the zone.
+        assert zone.length < 1.01 * LONGEST < zone.length + zone.spread + 0.02 * LONGEST
+        assert zone.spread < 0.06 * LONGEST
+
+
+def test_with_tension_too() -> None:
+    found = [[each.equivalent_range for each in edges_after(n, 0.2)] for n in (2, 3, 8)]
+    assert found[0] == pytest.approx(found[2], rel=5e-3)
+    assert found[1] == pytest.approx(found[2], rel=5e-3)
+    assert found[0][0] != pytest.approx(found[0][1], rel=0.1)
