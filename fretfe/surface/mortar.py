@@ -91,8 +91,7 @@ class SlidGap:
         surface1, surface2: of the bodies, in place.
         normals: (f, k, d) unit normals of the contact at the nodes of surface 2.
         share: of the sliding that body 2 does, the other way.
-        transfer: (N, v) means around the N nodes of values at the vertices of surface 2.
-        supports: (N,) of the nodes.
+        products: (N, v) integrals of hats of the N nodes times those of surface 2.
         frames: (N, c, c) of the nodes, for displacements of c components.
     """
 
@@ -100,8 +99,7 @@ class SlidGap:
     surface2: Surface
     normals: Array
     share: float
-    transfer: sparse.csr_matrix
-    supports: Array
+    products: sparse.csr_matrix
     frames: Array
 
     def opened(self, displacement: Array, force: Array) -> Array:
@@ -118,37 +116,41 @@ class SlidGap:
         # Farther than opposite points are looked for nothing is followed.
         farthest = search_reach(self.surface1, self.surface2)
         sliding *= min(1.0, farthest / max(float(np.linalg.norm(sliding)), 1e-300))
-        first = self._risen(self.surface1, self._first_in_place, (1 - self.share) * sliding)
-        second = self._risen(self._turned, self._second_in_place, -self.share * sliding)
-        return np.asarray(self.supports * (self.transfer @ (first - second)))
+        first, second = (
+            self._risen(far, in_place, part * sliding) for far, part, in_place in self._sides
+        )
+        return np.asarray(self.products @ (first - second))
 
     @cached_property
-    def _turned(self) -> Surface:
-        """Surface 2 seen from its body."""
-        surface = self.surface2
-        return replace(surface, facets=surface.facets[:, reversal(surface.shape, surface.degree)])
-
-    @cached_property
-    def _first_in_place(self) -> Heights:
-        return self._heights(self.surface1)
-
-    @cached_property
-    def _second_in_place(self) -> Heights:
-        return self._heights(self._turned)
+    def _sides(self) -> tuple[tuple[Surface, float, Heights], ...]:
+        """Both surfaces, seen from body 1, their parts of the sliding, and what they are before."""
+        second = self.surface2
+        turned = second.facets[:, reversal(second.shape, second.degree)]
+        parts = (self.surface1, 1 - self.share), (replace(second, facets=turned), -self.share)
+        return tuple((far, part, self._heights(far)) for far, part in parts)
 
     def _risen(self, far: Surface, in_place: Heights, sliding: Array) -> Array:
         """(v,) height above the vertices of surface 2 by which another one rises as it slides."""
+        from scipy import sparse
+        from scipy.sparse.linalg import spsolve
         from scipy.spatial import cKDTree
 
         support, height, _ = self._heights(replace(far, points=far.points + sliding))
         before, initial, pull = in_place
-        whole = np.flatnonzero((before > 0) & (support > (1 - WHOLE) * before))
+        products = self.surface2.hat_products()
+        full = products.sum(axis=1)
+        whole = np.flatnonzero(np.minimum(before, support) > (1 - WHOLE) * full)
         if not len(whole):
             return np.zeros(len(height))
-        risen = height[whole] / support[whole] - (initial + pull @ sliding)[whole] / before[whole]
         # Next to the end of the other surface as at the nearest node all of whose hat is met.
         vertices = self.surface2.vertices
-        return np.asarray(risen[cKDTree(vertices[whole]).query(vertices)[1]])
+        nearest = cKDTree(vertices[whole]).query(vertices)[1]
+        spread = sparse.eye_array(len(whole), format="csr")[nearest]
+        mean = height[whole] / support[whole] - (initial + pull @ sliding)[whole] / before[whole]
+        # The mean with a hat belongs to its middle, which is no node where elements are uneven:
+        # taken for the value there, what the surface rises would become a pressure.
+        whole_products = (products[whole] @ spread).tocsc()
+        return np.asarray(spread @ spsolve(whole_products, full[whole] * mean))
 
     def _heights(self, far: Surface) -> Heights:
         """Hats of surface 2 over another one (v,), height (v,) and normal (v, d) over these."""
@@ -198,20 +200,18 @@ def couple(
         return coupling
     first, second = (mean_curvature(surface) for surface in (surface1, surface2))
     hats, vertices = _Side(surface2, overlap.facet2, overlap.at2).hats()
-    supports = coupling.surface.weights
     products = _sparse(
         tests[:, :, None] * hats[:, None],
         rows[:, :, None],
         vertices[:, None],
-        (len(supports), len(surface2.vertices)),
+        (len(coupling.gap), len(surface2.vertices)),
     )
     slid = SlidGap(
         surface1=surface1,
         surface2=surface2,
         normals=normals,
         share=first / (first + second),
-        transfer=products.multiply(1 / supports[:, None]).tocsr(),
-        supports=supports,
+        products=products,
         frames=coupling.surface.frames,
     )
     return replace(coupling, slid=slid)
@@ -345,7 +345,7 @@ def _nodes(
 ) -> tuple[Indices, Indices]:
     """(N,) vertices that carry multipliers, and the number of each vertex (v,) among them or -1."""
     support = _totals(vertices, tests, len(carrier.vertices))
-    nodes = np.flatnonzero(support > SMALLEST_SUPPORT * carrier.hat_integrals())
+    nodes = np.flatnonzero(support > SMALLEST_SUPPORT * carrier.hat_products().sum(axis=1))
     # A chain has its body on the left: only that of body 1 runs in the direction of t.
     if carrier.dimension == 2 and not on_first:
         nodes = nodes[::-1]

@@ -6,6 +6,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import combinations
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +27,10 @@ from fretfe.mesh.elements import (
     shape_values,
 )
 from fretfe.mesh.mesh import BodyMesh
+
+# Not loaded by whoever loads this module: until Gmsh begins SciPy would take a third of the time.
+if TYPE_CHECKING:
+    from scipy import sparse
 
 # Facets whose normal turns by less than this angle (radians) are straight.
 STRAIGHT = 1e-9
@@ -228,12 +233,16 @@ class Surface:
         """Length of the whole surface, or the root of its area."""
         return float(self.measures.sum() ** (1 / (self.dimension - 1)))
 
-    def hat_integrals(self) -> Array:
-        """(v,) integrals of the hat functions of the vertices over the whole surface."""
+    def hat_products(self) -> sparse.csr_array:
+        """(v, v) integrals of products of the hat functions over the whole surface."""
+        from scipy import sparse
+
         at, weights = quadrature(self.shape, GAUSS_POINTS)
         values = shape_values(self.shape, 1, at)
-        shares = np.einsum("fq,q,qc->fc", self._densities(at), weights, values)
-        return np.bincount(self.corners.ravel(), shares.ravel())
+        shares = np.einsum("fq,q,qc,qd->fcd", self._densities(at), weights, values, values)
+        rows = np.broadcast_to(self.corners[:, :, None], shares.shape)
+        places = rows.ravel(), rows.swapaxes(1, 2).ravel()
+        return sparse.csr_array((shares.ravel(), places), shape=(len(self.vertices),) * 2)
 
     def _densities(self, at: Array) -> Array:
         """(f, q) measure of the facets per measure of the reference at coordinates (q, d - 1)."""

@@ -27,8 +27,11 @@ def circle(radius: float) -> Profile:
 
 
 def coupled(upper: Profile, lower: Profile, side: str, count: int = 160) -> Coupling:
-    """Curved facets; flats end between two of them."""
+    """Curved facets, each second one three times as long; flats end between two of them."""
     x, other = np.linspace(-1.0, 1.0, 2 * count + 1), np.linspace(-1.0, 1.0, count + 1)
+    for places in (x, other):
+        places[2:-1:4] += 0.5 * (places[1] - places[0])  # ends of facets, every second one
+        places[1::2] = (places[:-2:2] + places[2::2]) / 2
     first = chains.surface("upper", np.stack([x, upper(x)], axis=1), True)
     second = chains.surface("lower", np.stack([other, -lower(other)], axis=1)[::-1], True)
     return couple("main", first, second, side, 2)
@@ -63,8 +66,9 @@ def test_roundings_on_opposite_bodies(side: str) -> None:
     expected = means(lambda x: upper(x - half) - upper(x) + lower(x + half) - lower(x), nodes)
     assert expected.max() > 5e-4
     inside = np.abs(nodes[1:-1]) < 0.9
-    # Means of means over hats of .0125 and .025 where curvatures jump.
-    np.testing.assert_allclose(found[inside], expected[inside], atol=8e-5)
+    # Hats of .025 of the other side where curvatures jump; means taken for values at the nodes of
+    # such uneven elements are off by 5e-5 or more all along the roundings.
+    np.testing.assert_allclose(found[inside], expected[inside], atol=4e-5)
 
 
 @SIDES
