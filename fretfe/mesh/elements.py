@@ -398,7 +398,9 @@ def _contains(ordered: Indices, values: Indices) -> Bools:
 def smallest_angle(points: Array, cells: Indices, cell: str) -> float:
     """Smallest corner angle of plane cells, dihedral angle of solid ones, in degrees.
 
-    Edges count as straight; in a hexahedron the angles are those at the ends of each edge.
+    Edges count as straight; in a hexahedron the angles are those at the ends of each edge. Of
+    tetrahedra it is what their largest angle is short of 180: they interpolate well where that is
+    bounded (Krizek 1992), however long they are along an edge.
     """
     corners = points[cells[:, : CORNERS[cell]]]
     arms = corners[:, _neighbours(cell)] - corners[:, :, None]
@@ -410,6 +412,8 @@ def smallest_angle(points: Array, cells: Indices, cell: str) -> float:
         first, second = arms[:, :, 0], arms[:, :, 1]
     lengths = np.linalg.norm(first, axis=-1) * np.linalg.norm(second, axis=-1)
     cosine = np.sum(first * second, axis=-1) / lengths
+    if cell == "tetrahedron":
+        cosine = -cosine
     return float(np.degrees(np.arccos(np.clip(cosine.max(), -1.0, 1.0))))
 
 

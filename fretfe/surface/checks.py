@@ -31,8 +31,9 @@ INTERPENETRATION_PER_FACET = 0.01
 FILE_ROUNDING = 1e-6
 # What is compared with the reach of the search, by dimension.
 _EXTENTS = {2: "length of the shorter", 3: "root of the area of the smaller"}
-# Degrees. Tetrahedra that are long along a straight edge are flat but good; slivers are flatter.
-SMALLEST_ANGLES = {"triangle": 15.0, "quadrilateral": 15.0, "tetrahedron": 0.3, "hexahedron": 15.0}
+# Degrees, as of `smallest_angle`. Slivers have less than 5; good tetrahedra, also those of swept
+# triangles, have 20 or more.
+SMALLEST_ANGLES = {"triangle": 15.0, "quadrilateral": 15.0, "tetrahedron": 5.0, "hexahedron": 15.0}
 LARGEST_GAP = 0.01  # of the extent of the overlap
 ELEMENTS_PER_RADIUS = 10.0
 FEWEST_ELEMENTS = 4

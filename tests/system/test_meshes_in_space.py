@@ -165,6 +165,13 @@ def test_hexahedra_are_a_tensor_product() -> None:
     np.testing.assert_allclose(bar.points[bar.cells[:9, 26], 2], 0.75)
 
 
+def test_tetrahedra_of_long_sweeps_are_as_good_as_their_triangles() -> None:
+    points, cells = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]]), np.array([[0, 1, 2]])
+    flat = Mesh({"f": BodyMesh("f", points, cells, "triangle", 1, {})})
+    (swept,) = mesh_summary(extrude(flat, Solid(length=1e4, skew=0.0, layers=1)))
+    assert swept.smallest_angle == pytest.approx(45.0, abs=0.01)
+
+
 def test_smallest_angle_of_regular_cells() -> None:
     points = np.array([[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]], dtype=float)
     regular = BodyMesh("t", points, np.array([[0, 1, 2, 3]]), "tetrahedron", 1, {})
@@ -172,7 +179,7 @@ def test_smallest_angle_of_regular_cells() -> None:
         Mesh({"c": blocks.block("c", [0, 1], [0, 1])}), Solid(length=5.0, skew=0.0, layers=1)
     )
     (tetrahedron,), (brick,) = mesh_summary(Mesh({"t": regular})), mesh_summary(cube)
-    assert tetrahedron.smallest_angle == pytest.approx(math.degrees(math.acos(1 / 3)))
+    assert tetrahedron.smallest_angle == pytest.approx(180 - math.degrees(math.acos(1 / 3)))
     assert brick.smallest_angle == pytest.approx(90)
 
 
