@@ -23,7 +23,13 @@ from fretfe.errors import ModelError
 from fretfe.mesh.elements import reversal, shape_values
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.normals import contact_normals
-from fretfe.surface.overlap import OverlapPoints, overlap_along, search_reach
+from fretfe.surface.overlap import (
+    Candidates,
+    OverlapPoints,
+    opposite_candidates,
+    overlap_along,
+    search_reach,
+)
 from fretfe.surface.surface import (
     Chain,
     Surface,
@@ -116,27 +122,35 @@ class SlidGap:
         # Farther than opposite points are looked for nothing is followed.
         farthest = search_reach(self.surface1, self.surface2)
         sliding *= min(1.0, farthest / max(float(np.linalg.norm(sliding)), 1e-300))
-        first, second = (
-            self._risen(far, in_place, part * sliding) for far, part, in_place in self._sides
-        )
-        return np.asarray(self.products @ (first - second))
+        first = self._risen(0, (1 - self.share) * sliding)
+        return np.asarray(self.products @ (first - self._risen(1, -self.share * sliding)))
 
     @cached_property
-    def _sides(self) -> tuple[tuple[Surface, float, Heights], ...]:
-        """Both surfaces, seen from body 1, their parts of the sliding, and what they are before."""
-        second = self.surface2
-        turned = second.facets[:, reversal(second.shape, second.degree)]
-        parts = (self.surface1, 1 - self.share), (replace(second, facets=turned), -self.share)
-        return tuple((far, part, self._heights(far)) for far, part in parts)
+    def _nearby(self) -> float:
+        """Sliding up to which opposite facets are looked for once: that takes most of the time."""
+        return search_reach(self.surface1, self.surface2) / 16
 
-    def _risen(self, far: Surface, in_place: Heights, sliding: Array) -> Array:
-        """(v,) height above the vertices of surface 2 by which another one rises as it slides."""
+    @cached_property
+    def _sides(self) -> tuple[tuple[Surface, Heights, Candidates], ...]:
+        """Both surfaces, surface 2 seen from its body, heights in place, and opposite facets."""
+        near, found = self.surface2, []
+        turned = near.facets[:, reversal(near.shape, near.degree)]
+        for far in (self.surface1, replace(near, facets=turned)):
+            reach = search_reach(far, near), self._nearby
+            candidates = opposite_candidates(near, self.normals, far, *reach)
+            found.append((far, self._heights(far, None), candidates))
+        return tuple(found)
+
+    def _risen(self, number: int, sliding: Array) -> Array:
+        """(v,) height above the vertices of surface 2 by which one of both rises as it slides."""
         from scipy import sparse
         from scipy.sparse.linalg import spsolve
         from scipy.spatial import cKDTree
 
-        support, height, _ = self._heights(replace(far, points=far.points + sliding))
-        before, initial, pull = in_place
+        far, (before, initial, pull), nearby = self._sides[number]
+        known = nearby if np.linalg.norm(sliding) <= self._nearby else None
+        moved = replace(far, points=far.points + sliding)
+        support, height, _ = self._heights(moved, known)
         products = self.surface2.hat_products()
         full = products.sum(axis=1)
         whole = np.flatnonzero(np.minimum(before, support) > (1 - WHOLE) * full)
@@ -152,9 +166,9 @@ class SlidGap:
         whole_products = (products[whole] @ spread).tocsc()
         return np.asarray(spread @ spsolve(whole_products, full[whole] * mean))
 
-    def _heights(self, far: Surface) -> Heights:
+    def _heights(self, far: Surface, known: Candidates | None) -> Heights:
         """Hats of surface 2 over another one (v,), height (v,) and normal (v, d) over these."""
-        overlap = overlap_along(self.normals, far, self.surface2)
+        overlap = overlap_along(self.normals, far, self.surface2, known)
         hats, vertices = _Side(self.surface2, overlap.facet2, overlap.at2).hats()
         tests, count = hats * overlap.weights[:, None], len(self.surface2.vertices)
         parts = (np.ones(len(overlap.gap)), overlap.gap, *overlap.normals.T)

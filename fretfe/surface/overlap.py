@@ -71,7 +71,9 @@ class _Tubes:
         return met
 
 
-def opposite_candidates(near: Surface, normals: Array, far: Surface, reach: float) -> Candidates:
+def opposite_candidates(
+    near: Surface, normals: Array, far: Surface, reach: float, slack: float = 0.0
+) -> Candidates:
     """Facets of `far` that lines along normals of `near` may meet.
 
     Args:
@@ -79,9 +81,11 @@ def opposite_candidates(near: Surface, normals: Array, far: Surface, reach: floa
         normals: (f, k, d) unit normals at the nodes of `near`, interpolated in between.
         far: surface that is searched.
         reach: largest distance along the normals, to either side.
+        slack: distance by which `far` may move.
     """
     tubes = _tubes(near, normals, reach)
-    spheres = _spheres(far)
+    centres, radii = _spheres(far)
+    spheres = centres, radii + slack
     levels, order = _box_tree(*spheres)
     facet, box = np.arange(len(near.facets)), np.zeros(len(near.facets), dtype=np.int64)
     for centres, radii in levels:
@@ -178,22 +182,27 @@ def overlap_points(surface1: Surface, surface2: Surface) -> OverlapPoints:
     return overlap_along(contact_normals(surface1, surface2), surface1, surface2)
 
 
-def overlap_along(normals: Array, surface1: Surface, surface2: Surface) -> OverlapPoints:
+def overlap_along(
+    normals: Array, surface1: Surface, surface2: Surface, known: Candidates | None = None
+) -> OverlapPoints:
     """Integration points on surface 2 and their projections on surface 1 along given normals.
 
     Args:
         normals: (f, k, d) unit normals at the nodes of surface 2.
         surface1: of body 1.
         surface2: of body 2.
+        known: facets of surface 1 that may lie opposite those of surface 2; None: look for them.
     """
     if surface1.dimension == 3:
-        square = quadrature("quadrilateral", GAUSS_POINTS)
-        return project(surface2, normals, surface1, square, _triangle_rule(surface1, surface2))
+        rules = quadrature("quadrilateral", GAUSS_POINTS), _triangle_rule(surface1, surface2)
+        return project(surface2, normals, surface1, *rules, known=known)
     at, weights = quadrature("line", GAUSS_POINTS)
-    return project(surface2, normals, surface1, (at[:, 0], weights))
+    return project(surface2, normals, surface1, (at[:, 0], weights), known=known)
 
 
-def project(near: Surface, normals: Array, far: Surface, *rules: Rule) -> OverlapPoints:
+def project(
+    near: Surface, normals: Array, far: Surface, *rules: Rule, known: Candidates | None = None
+) -> OverlapPoints:
     """Project points of one surface along normals onto another one.
 
     Args:
@@ -202,10 +211,11 @@ def project(near: Surface, normals: Array, far: Surface, *rules: Rule) -> Overla
         far: surface 1.
         rules: points and weights (q,) of the quadrature: in the plane one rule with points (q,) in
             [0, 1]; in space those on quadrilaterals and on triangles, with points (q, 2).
+        known: as of `overlap_along`.
     """
     plane = near.dimension == 2
     reach = search_reach(near, far)
-    candidates = opposite_candidates(near, normals, far, reach)
+    candidates = known or opposite_candidates(near, normals, far, reach)
     kernel: Any = _kernels.overlap_points if plane else _kernels.overlap_points_in_space
     facet2, facet1, at2, at1, weights, gap, at_points = kernel(
         np.ascontiguousarray(near.nodes),
