@@ -31,6 +31,7 @@ from fretfe.evaluate.refinement import (
 )
 from fretfe.evaluate.resolution import (
     Interval,
+    edges_of_section,
     fine_places,
     hopeless,
     needed_sizes,
@@ -92,6 +93,11 @@ class Passes(ABC):
 
     # Largest number of meshes.
     most = MOST_PASSES
+
+    @property
+    def case(self) -> Case:
+        """The case that is solved on them."""
+        return self._case
 
     @property
     def _largest(self) -> int:
@@ -250,6 +256,8 @@ class SolidPasses(Passes):
     """Meshes of solids: the first is that of the case, later ones are finer along the fronts."""
 
     most = MOST_SOLID_PASSES
+    # Of the element size per distance from the fronts.
+    growth = LARGEST_GROWTH
 
     def __init__(self, case: Case, announce: Callable[[str], None]) -> None:
         super().__init__(case, announce)
@@ -264,10 +272,10 @@ class SolidPasses(Passes):
         self._places, self._before = FinePlaces(points, np.array(note["sizes"])), last.contacts
 
     def _make_mesh(self) -> Mesh:
-        size, factor = partial(refine_near, self._places, LARGEST_GROWTH), FINER ** len(self._done)
+        size, factor = partial(refine_near, self._places, self.growth), FINER ** len(self._done)
         with_ends = graded(self._case)
         mesh = load_mesh(finer_sweep(with_ends, factor), size)
-        if with_ends is self._case or self._unknowns(mesh) <= self._edges.unknowns:
+        if with_ends is self._case or self._unknowns(mesh) <= self._largest:
             return mesh
         # Elements at free ends are as short as stations there need only if there is room.
         return load_mesh(finer_sweep(self._case, factor), size)
@@ -390,7 +398,7 @@ class PlanePasses(Passes):
     def _make_mesh(self) -> Mesh:
         contacts = [(each.surface1, each.surface2) for each in self._case.contacts.values()]
         size = partial(apply_fine_sizes, contacts, self._growth, self._sources, ALONG_CONTACT)
-        return load_mesh(self._case, size)
+        return load_mesh(self._case, size, section=True)
 
     def _pass(self, result: Result, mesh: Mesh) -> Pass:
         solution, contacts = result.solution, result.contacts
@@ -405,6 +413,17 @@ class PlanePasses(Passes):
             changes=edge_changes(
                 before.stations if before else (), values, names_before(self._before, contacts)
             ),
+        )
+
+    def edges(self, result: Result) -> FinePlaces:
+        """Edges of the last mesh, with elements for solids that have it as their section."""
+        assert self._mesh is not None
+        solution = result.solution
+        intervals = tuple(edges_of_section(solution, result.contacts))
+        found = tuple(_sources(self._case, self._mesh, solution, intervals))
+        points = np.pad(np.vstack([each.points for each in found]), ((0, 0), (0, 1)))
+        return FinePlaces(
+            points, np.repeat([x.size for x in found], [len(x.points) for x in found])
         )
 
     def _hopeless(self, result: Result) -> str:

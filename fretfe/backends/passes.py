@@ -14,12 +14,15 @@ from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.bodies.expected import expected_places
 from fretfe.bodies.loads.files import checked_history
 from fretfe.case import Case
+from fretfe.case.base import CAD, file_kind
+from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.refinement import Pass
+from fretfe.idealise.section import section_case
 from fretfe.mesh.load import makes_solids, sweep_of
 from fretfe.mesh.mesh import Mesh
 from fretfe.mesh.sections import Sweep
-from fretfe.mesh.sizing import FinePlaces, apply_corner_sizes, refine_near
+from fretfe.mesh.sizing import FinePlaces, apply_corner_sizes
 from fretfe.results.model import Result
 from fretfe.surface.checks import load_mesh
 
@@ -32,21 +35,35 @@ SHARE = 0.8
 
 
 class SweptPasses(SolidPasses):
-    """Meshes of CAD bodies that are swept: of their sections, fine at the edges that are expected.
+    """Meshes of CAD bodies that are swept: of their section, fine at its edges.
 
     Args:
         sweep: of the bodies.
     """
 
+    growth = SWEPT_GROWTH
+
     def __init__(self, case: Case, announce: Callable[[str], None], sweep: Sweep) -> None:
         super().__init__(case, announce)
         self._sweep = sweep
 
+    def section(self) -> PlanePasses:
+        """Meshes of the section alone.
+
+        Raises:
+            CaseError: the case cannot be one of plane bodies.
+        """
+        case = section_case(self._case, self._sweep)
+        return PlanePasses(case, lambda text: self._announce(f"section, {text}"))
+
+    def follow(self, section: PlanePasses, result: Result) -> None:
+        """Make the first mesh fine where the section has its edges by a result of its meshes."""
+        self._places = section.edges(result)
+
     def _make_mesh(self) -> Mesh:
-        if not self._done:
+        if not self._done and not len(self._places.sizes):
             self._places = self._expected()
-        size = partial(refine_near, self._places, SWEPT_GROWTH)
-        return load_mesh(self._case, size, self._sweep)
+        return super()._make_mesh()
 
     @property
     def _largest(self) -> int:
@@ -64,11 +81,14 @@ class SweptPasses(SolidPasses):
         return super()._fine_enough(before, last, result)
 
     def _expected(self) -> FinePlaces:
-        """Fine places of the first mesh, by a coarse one with a single layer."""
-        contacts = [(each.surface1, each.surface2) for each in self._case.contacts.values()]
-        size = partial(apply_corner_sizes, contacts)
-        coarse = load_mesh(self._case, size, self._sweep.in_one_layer)
-        found = expected_places(self._case, coarse, checked_history(self._case), self._sweep)
+        """Fine places of the first mesh by a coarse one of the section, which is not solved."""
+        try:
+            case = self.section().case
+        except CaseError:
+            return self._places
+        contacts = [(each.surface1, each.surface2) for each in case.contacts.values()]
+        coarse = load_mesh(case, partial(apply_corner_sizes, contacts), section=True)
+        found = expected_places(case, coarse, checked_history(case))
         return FinePlaces(*without_round_off(found.points, found.sizes))
 
 
@@ -91,8 +111,8 @@ def starting_mesh(case: Case) -> Mesh:
 
 def passes_of(case: Case, options: RunOptions) -> Passes:
     """The meshes of a case that asks for an accuracy, on rank 0."""
-    sweep = sweep_of(case)
-    if sweep is not None and case.geometry.solid is None:
+    file, sweep = case.geometry.file, sweep_of(case)
+    if sweep is not None and file is not None and file_kind(file) is CAD:
         return SweptPasses(case, options.announce, sweep)
     kind = SolidPasses if makes_solids(case) else PlanePasses
     return kind(case, options.announce)

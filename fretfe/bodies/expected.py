@@ -34,7 +34,6 @@ from fretfe.loads import History
 from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.load import section_of, size_key
 from fretfe.mesh.mesh import Mesh
-from fretfe.mesh.sections import Sweep
 from fretfe.mesh.sizing import FinePlaces
 from fretfe.report.texts import rounded
 from fretfe.surface.checks import InitialGap, initial_gaps
@@ -230,29 +229,28 @@ def expected_contacts(
         yield ExpectedContact(case, name, initial, bounds, shared, (middles or {}).get(name))
 
 
-def expected_places(case: Case, mesh: Mesh, history: History, sweep: Sweep) -> FinePlaces:
-    """Places of a section at the edges that are expected of contacts, with the sizes they need.
+def expected_places(case: Case, mesh: Mesh, history: History) -> FinePlaces:
+    """Places of plane bodies at the edges that are expected of contacts, with the sizes they need.
 
     Args:
         case: of the contacts.
-        mesh: of bodies that sweep the section.
+        mesh: its plane mesh.
         history: loads.
-        sweep: of the bodies.
     """
-    points, sizes = [np.empty((0, 3))], [np.empty(0)]
+    points, sizes = [np.empty((0, 2))], [np.empty(0)]
     for contact in expected_contacts(case, mesh, history):
         if not contact.foreseen or contact.across is None:
             continue
         along = contact.initial.points @ contact.across[0]
-        order, plane = np.argsort(along), sweep.in_plane(contact.initial.points)
+        order = np.argsort(along)
         edges = sorted(contact.tilted.edges(), key=attrgetter("name", "place"))
         for _, own in groupby(edges, key=attrgetter("name")):
             zones = np.array([(edge.place, edge.zone.size) for edge in own])
             places = _spaced(zones[0, 0], zones[-1, 0], zones.T)
-            columns = [np.interp(places, along[order], x) for x in plane[order].T]
+            columns = [np.interp(places, along[order], x) for x in contact.initial.points[order].T]
             points.append(np.transpose(columns))
             sizes.append(np.interp(places, *zones.T))
-    return FinePlaces(np.vstack(points), np.concatenate(sizes))
+    return FinePlaces(np.pad(np.vstack(points), ((0, 0), (0, 1))), np.concatenate(sizes))
 
 
 def _spaced(low: float, high: float, sizes: Array) -> Array:

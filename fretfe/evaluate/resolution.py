@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
-from fretfe.evaluate.edge_zone import WANTED_TO_PEAK, rise_length
+from fretfe.evaluate.edge_zone import WANTED_TO_PEAK, EdgeZone, rise_length
 from fretfe.evaluate.loaded import SMALL_LOAD, normal_force
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
@@ -139,6 +139,18 @@ def needed_sizes(
     ):
         intervals += _station_intervals(solution, history, contact, station, values, 2.0**-level)
     return tuple(intervals)
+
+
+def edges_of_section(solution: Solution, contacts: Sequence[Contact]) -> Iterator[Interval]:
+    """Edges of plane contacts in the cycle, with elements that tell K_N along fronts of solids."""
+    for values, (history, contact, station) in zip(
+        station_values(solution, contacts), _stations(solution, contacts), strict=True
+    ):
+        states = _carrying(solution, contact, station)
+        low, high = _front_range(history, station, states)
+        # Along the fronts of solids edges are a little elsewhere.
+        size = EdgeZone(values.rise, values.rise, 3).size
+        yield Interval(contact.name, low - size, high + size, size)
 
 
 def fine_places(

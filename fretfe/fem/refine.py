@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 from fretfe.backends.meshes import Passes
-from fretfe.backends.passes import passes_of
+from fretfe.backends.passes import SweptPasses, passes_of
 from fretfe.backends.protocol import RunOptions
 from fretfe.case import Case
 from fretfe.errors import FretfeError, StoppedError
@@ -39,12 +39,38 @@ def refine(comm: MPI.Comm, case: Case, options: RunOptions) -> Result:
     last = options.before if options.resume else None
     known = on_root(comm, partial(passes.recall, last, options.states))
     last = replace(last, failure=None) if last is not None and known else None
+    if last is None and isinstance(passes, SweptPasses):
+        solve_section(comm, passes, options)
+    return _refined(comm, passes, last, options)
+
+
+def solve_section(comm: MPI.Comm, passes: SweptPasses, options: RunOptions) -> None:
+    """Solve the section of swept bodies, whose edges make their first mesh fine. Collective.
+
+    Raises:
+        StoppedError: for a signal. Whatever else prevents it, the mesh is that without it.
+    """
+    quiet = RunOptions(history=options.history, observer=options.observer)
+    try:
+        section = passes.section()
+        found = _refined(comm, section, None, quiet)
+        if found.failure is not None:
+            raise found.failure
+        on_root(comm, partial(passes.follow, section, found))
+    except FretfeError as error:
+        if isinstance(error, StoppedError):
+            raise
+        on_root(comm, partial(options.announce, f"the section was not solved: {error}"))
+
+
+def _refined(comm: MPI.Comm, passes: Passes, last: Result | None, options: RunOptions) -> Result:
+    """The last of the meshes that a case is solved on, after those of an earlier run."""
     while True:
         kept = _Kept(comm, passes, options, first=last is None)
         try:
             if last is not None and (number := agreed_stop(comm, options.observer)) is not None:
                 raise StoppedError(number, "before the next mesh")
-            result = solve(comm, case, passes.options(options, kept), passes.load)
+            result = solve(comm, passes.case, passes.options(options, kept), passes.load)
         except FretfeError as error:
             if last is None or last.refinement is None:
                 raise

@@ -51,14 +51,14 @@ def naming_case(case: Case) -> Iterator[None]:
         raise type(error)(f"{case.source}: {error}") from error
 
 
-def grouped_mesh(case: Case, size: SetSizes | None = None, sweep: Sweep | None = None) -> Mesh:
+def grouped_mesh(case: Case, size: SetSizes | None = None, *, section: bool = False) -> Mesh:
     """Read or make the mesh of a case and check its groups and dimension. Serial.
 
     Args:
         case: validated case.
         size: sets element sizes of plane bodies in place of those of the geometry, and changes
             those of solids; can be pickled.
-        sweep: that of a CAD file with other layers.
+        section: whether it is plane, that of the section which solids of a CAD file sweep.
 
     Raises:
         CaseError: if the template or its parameters are not valid, a direction does not fit, a
@@ -66,20 +66,20 @@ def grouped_mesh(case: Case, size: SetSizes | None = None, sweep: Sweep | None =
         MeshError: if there is no valid mesh with all the groups that the case names.
     """
     with naming_case(case):
-        mesh = made_mesh(case, size, sweep)
+        mesh = made_mesh(case, size, section=section)
         check_groups(mesh, case)
         check_dimension(case, mesh.dimension)
     return mesh
 
 
-def made_mesh(case: Case, size: SetSizes | None = None, sweep: Sweep | None = None) -> Mesh:
+def made_mesh(case: Case, size: SetSizes | None = None, *, section: bool = False) -> Mesh:
     """Read or make the mesh of a case, extruded and cut as it says, whatever else it names.
 
     Arguments and errors are those of `grouped_mesh`.
     """
     mesh, solid, part = _mesh_of_case(case, size), case.geometry.solid, case.geometry.part
     if solid is None:
-        sweep = sweep or sweep_of(case)
+        sweep = None if section else sweep_of(case)
         mesh = mesh if sweep is None else sweep.swept(mesh)
         return mesh if part is None else _part_of(case, mesh, part)
     if part is None:
@@ -321,13 +321,14 @@ def _mesh_of_cad_file(case: Case, path: Path, size: SetSizes | None) -> Mesh:
     geometry = case.geometry
     _require_names(case, CAD)
     length = case.units.length
-    if geometry.solid is None and (sweep := sweep_of(case)) is not None:
+    model = partial(cad_model, path, geometry, length)
+    if (sweep := sweep_of(case)) is not None:
         section = partial(section_model, path, geometry, length, sweep)
         sizes = partial(_section_sizes, case, size)
-        return mesh_model(section, path, geometry.order, sizes, math.inf)
+        drawn = model if geometry.solid else section
+        return mesh_model(drawn, path, geometry.order, sizes, math.inf)
     why = str(_cad_sweep(case, path)) if geometry.size is None else ""
     set_sizes = partial(_cad_sizes, case, size, why)
-    model = partial(cad_model, path, geometry, length)
     return mesh_model(model, path, geometry.order, set_sizes, geometry.size or math.inf)
 
 

@@ -64,11 +64,6 @@ class Sweep:
         """(3,) way of the sweep in space over that along the normal of the plane."""
         return np.array([self.lean, 0.0, 1.0]) @ self.axes
 
-    @property
-    def in_one_layer(self) -> Sweep:
-        """The same without inner nodes."""
-        return replace(self, solid=self.solid.model_copy(update={"layers": 1, "end_size": None}))
-
     def in_plane(self, points: Array) -> Array:
         """(n, 3) places at z = 0 that sweep to points (n, 3) in space."""
         local = (points - self.origin) @ self.axes.T

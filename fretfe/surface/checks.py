@@ -21,7 +21,6 @@ from fretfe.mesh.elements import shape_values
 from fretfe.mesh.load import grouped_mesh, naming_case
 from fretfe.mesh.make import SetSizes
 from fretfe.mesh.mesh import BodySummary, Mesh
-from fretfe.mesh.sections import Sweep
 from fretfe.surface.overlap import overlap_points, search_reach
 from fretfe.surface.surface import Surface, build_surface, curvatures, deviations
 
@@ -221,19 +220,19 @@ def place(point: Array, digits: int = 6) -> str:
     return f"({', '.join(f'{round(float(v), 12) + 0.0:.{digits}g}' for v in point)})"
 
 
-def load_mesh(case: Case, size: SetSizes | None = None, sweep: Sweep | None = None) -> Mesh:
+def load_mesh(case: Case, size: SetSizes | None = None, *, section: bool = False) -> Mesh:
     """Read or make the mesh of a case and check it against the case. Serial.
 
     Args:
         case: validated case.
         size: sets element sizes in place of those of the geometry.
-        sweep: as of `grouped_mesh`.
+        section: as of `grouped_mesh`.
 
     Raises:
         CaseError: as for `grouped_mesh`.
         MeshError: as for `grouped_mesh`, and if contact surfaces overlap or do not face each other.
     """
-    mesh = grouped_mesh(case, size, sweep)
+    mesh = grouped_mesh(case, size, section=section)
     with naming_case(case):
         check_contacts(mesh, case)
     return mesh

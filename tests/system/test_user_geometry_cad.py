@@ -26,6 +26,7 @@ from cases.user_geometry import (
     write_cad,
 )
 
+from fretfe.backends.passes import starting_mesh
 from fretfe.case import Selector, parse_case
 from fretfe.errors import CaseError, FretfeError, MeshError
 from fretfe.fem.backend import BACKEND
@@ -250,6 +251,16 @@ def test_every_name_needs_a_selector(folder: Path) -> None:
     assert "geometry.boundaries: expected 'upper_top', which is loads.press.boundary" in message
     message = refusal(coarse(folder, bodies={"upper": BODIES["upper"]}), CaseError)
     assert "geometry.bodies: expected 'lower', which is bodies.lower" in message
+
+
+def test_plane_files_that_are_extruded_need_no_size(folder: Path) -> None:
+    geometry = {key: value for key, value in coarse(folder).items() if key != "size"}
+    geometry["solid"] = {"length": 2.0, "layers": 2}
+    case = parse_case(case_of(geometry))
+    assert case.edges.tolerance == 0.1
+    mesh = starting_mesh(case)
+    assert mesh.dimension == 3
+    assert {*mesh.bodies["upper"].boundaries} >= {"upper_back", "upper_front"}
 
 
 def test_sizes_come_from_the_case_or_from_refinement(folder: Path) -> None:
