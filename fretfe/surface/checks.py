@@ -22,7 +22,7 @@ from fretfe.mesh.load import grouped_mesh, naming_case
 from fretfe.mesh.make import SetSizes
 from fretfe.mesh.mesh import BodySummary, Mesh
 from fretfe.surface.overlap import overlap_points, search_reach
-from fretfe.surface.surface import Surface, build_surface, curvatures, deviations
+from fretfe.surface.surface import Surface, build_surface, curvatures, deviations, facet_turns
 
 # An interpenetration of this fraction of a facet is not resolved by the mesh and does no harm.
 INTERPENETRATION_PER_FACET = 0.01
@@ -348,7 +348,9 @@ def _contact(name: str, initial: InitialGap) -> ContactQuality:
 def _surface(surface: Surface, opposite: Indices) -> SurfaceQuality:
     side = 2 / 3**0.25 if surface.shape == "triangle" else 1.0
     sizes, curvature = side * surface.sizes[opposite], curvatures(surface)[opposite]
-    worst = int(np.argmax(curvature * sizes))
+    turns = facet_turns(surface)[opposite]
+    worst = int(np.argmax(turns))
+    radius = float(1 / curvature[worst]) if curvature[worst] > 0 else math.inf
     return SurfaceQuality(
         name=surface.name,
         measure=float(surface.measures.sum()),
@@ -356,8 +358,8 @@ def _surface(surface: Surface, opposite: Indices) -> SurfaceQuality:
         opposite=len(opposite),
         smallest=float(sizes.min()),
         largest=float(sizes.max()),
-        radius=float(1 / curvature[worst]) if curvature[worst] > 0 else math.inf,
-        radius_size=float(sizes[worst]),
+        radius=radius,
+        radius_size=float(turns[worst] * radius) if turns[worst] else float(sizes[worst]),
         deviation=float(deviations(surface)[opposite].max()),
     )
 

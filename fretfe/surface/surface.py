@@ -463,6 +463,13 @@ def curvatures(surface: Surface) -> Array:
     return (turns / lengths).max(axis=1)
 
 
+def facet_turns(surface: Surface) -> Array:
+    """(f,) largest angle by which the normal turns over each facet; 0 for flat surfaces."""
+    if surface.dimension == 2:
+        return curvatures(surface) * surface.sizes
+    return _between_corners(surface)[1].max(axis=1)
+
+
 def deviations(surface: Surface) -> Array:
     """(f,) distance of each facet from the smooth surface through its nodes.
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from cases import blocks
+from cases import blocks, sheets
 
 from fretfe._typing import Array, Indices
 from fretfe.case import Solid
@@ -15,7 +15,13 @@ from fretfe.errors import MeshError, ModelError
 from fretfe.mesh.elements import reference_nodes, shape_values
 from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
-from fretfe.surface.surface import Chain, Surface, build_surface, tangent_frames
+from fretfe.surface.surface import (
+    Chain,
+    Surface,
+    build_surface,
+    facet_turns,
+    tangent_frames,
+)
 
 KINDS = pytest.mark.parametrize(
     ("shape", "order"), [(s, o) for s in ("triangle", "quadrilateral") for o in (1, 2)]
@@ -192,3 +198,16 @@ def test_frames_of_an_extrusion_are_those_of_the_plane() -> None:
 def test_arc_length_is_of_the_plane_only() -> None:
     with pytest.raises(ModelError, match=r"surface 'face' of body.*a curve in the plane"):
         Chain(flat("triangle", 1))
+
+
+@pytest.mark.parametrize("length", [0.01, 10.0])
+def test_facets_of_a_sweep_turn_as_its_section_does(length: float) -> None:
+    """However long they are, there are as many of them to a radius."""
+    radius, places = 2.0, np.linspace(-0.1, 0.1, 11)
+
+    def arc(points: Array) -> Array:
+        return np.column_stack([points, np.sqrt(radius**2 - points[:, 0] ** 2) - radius])
+
+    swept = sheets.sheet("s", places, np.array([0.0, length]), "triangle", 2, arc)
+    # arcs of 0.1 over chords: 1 + 0.05²/6
+    assert facet_turns(swept) == pytest.approx(np.full(20, 0.02 / radius), rel=2e-3)
