@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""From a case to the half-plane problem that it resembles, or the reasons why there is none."""
+"""From a case to one of fewer dimensions: two half-planes, or the section that solids sweep."""
 
 from __future__ import annotations
 
