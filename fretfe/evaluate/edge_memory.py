@@ -322,7 +322,7 @@ class EdgeMemory:
 
     def still(self, first: int) -> HalfCycle:
         """One from a state on in which nothing slips, as far as there is a contact to tell that."""
-        hold = self.hold[first + 1 : self.last + 1]
+        hold = np.maximum(self.hold[first + 1 : self.last + 1], 0.0)
         held = np.flatnonzero(hold >= LEFT_BEHIND * hold.max())
         return HalfCycle.still(first, first + 1 + int(held[-1]))
 
