@@ -466,9 +466,7 @@ class Station(StationHistory):
         float, Quantity("k_t", "range of (K_T, K_S) along the direction in which it varies most")
     ]
     k_angle: Annotated[float, Quantity("angle", "that direction, from inward towards along")] = 0.0
-    turning: Annotated[float, Quantity("", "range across that direction over the one along it")] = (
-        0.0
-    )
+    turning: Annotated[float, Quantity("", "range across that direction over it")] = 0.0
     k_range_spread: Annotated[float, Quantity("k_t", "its error bar")]
     k_range_parts: RangeSpread
     k_t_range_fitted: Annotated[
@@ -495,14 +493,11 @@ class Station(StationHistory):
         float, Quantity("k_t", "f K_N d of the evaluated cycle by the memory of the edge")
     ] = math.nan
     equivalent_misheld: Annotated[
-        float,
-        Quantity("k_t", "part of its bar by loads out of phase, and by how the edge moves"),
+        float, Quantity("k_t", "part of its bar by drivers out of phase and by where edges move")
     ] = 0.0
     largest_start: Annotated[int, Quantity("", "first state of the largest half cycle of all")] = 0
     largest_end: Annotated[int, Quantity("", "state in which its zone is longest; 0 without")] = 0
-    largest_range: Annotated[float, Quantity("k_t", "its f K_N d by the memory of the edge")] = (
-        math.nan
-    )
+    largest_range: Annotated[float, Quantity("k_t", "its f K_N d by the memory")] = math.nan
     largest_slip: Annotated[float, Quantity("length", "its d by the memory of the edge")] = math.nan
     cycles: CountedCycles
     slip_zones: tuple[SlipZone, ...]
@@ -628,6 +623,11 @@ class Station(StationHistory):
         if self.k_range > 0:
             spread *= max(self.equivalent_range / self.k_range, 1.0)
         return self.equivalent_range, math.hypot(spread, self.equivalent_misheld)
+
+    @property
+    def equivalent_spread(self) -> Annotated[float, Quantity("k_t", "bar of equivalent_range")]:
+        """Error bar of the range that slip follows."""
+        return self.driven_range[1]
 
     @property
     def range_error(self) -> float:
