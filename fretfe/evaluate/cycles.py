@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
@@ -97,7 +98,9 @@ def count_cycles(
         count=counted.count,
         k_t_range=np.abs(station.k_t[end] - station.k_t[start]),
         k_t_mean=(station.k_t[end] + station.k_t[start]) / 2,
-        slip=np.array([_slip_up_to(each, memory) for each in end.tolist()]),
+        slip=np.array(
+            [_slip(*each, memory) for each in zip(start.tolist(), end.tolist(), strict=True)]
+        ),
         closed=closed,
         reason="",
     )
@@ -115,14 +118,13 @@ def _order(states: Indices, k_t: Array, returns: bool) -> tuple[Indices, bool]:
     return np.append(np.roll(period, -largest), period[largest]), True
 
 
-def _slip_up_to(end: int, memory: EdgeMemory | None) -> float:
-    """Slip length of the half cycle that ends in a state; NaN if P moves the edge in it."""
-    if memory is None:
+def _slip(start: int, end: int, memory: EdgeMemory | None) -> float:
+    """Slip length from one reversal to another; NaN if P moves the edge in between."""
+    if memory is None or not memory.station.at_rest(*sorted((start, end)), CLOSED):
         return math.nan
-    half = next((each for each in memory.half_cycles if each.start < end <= each.turn), None)
-    if half is None:
-        return 0.0
-    return half.length if memory.station.at_rest(half.start, end, CLOSED) else math.nan
+    number = bisect_left(memory.half_cycles, end, key=lambda half: half.turn)
+    found = memory.half_cycles[number : number + 1]
+    return found[0].length if found and found[0].start < end else 0.0
 
 
 def cycle_changes(

@@ -141,19 +141,19 @@ class EdgeMemory:
     @cached_property
     def fine(self) -> EdgeMemory:
         """The same at instants: as P moves the edge, and by the loads in the steps of a cycle."""
-        loads = self.loads
-        fine = self if loads is None else self._at(loads.times, loads.refined)
-        fine = fine._divided(np.ones(fine.last, dtype=bool), 16)
-        beside = np.zeros(fine.last, dtype=bool)
-        for half in fine.half_cycles:
-            beside[half.end - 1 : half.end + 1] = True
-        return fine._divided(beside, 16**2)
+        fine = self._at(self.loads.times, self.loads.refined) if self.loads else self
+        fine = fine._divided(np.arange(fine.last), 16)
+        ends = np.array([[half.end - 1, half.end] for half in fine.half_cycles], dtype=np.int64)
+        return fine._divided(np.unique(ends.clip(max=fine.last - 1)), 16**2)
 
-    def _divided(self, steps: Bools, parts: int) -> EdgeMemory:
-        """The same at instants in some steps (T - 1,) that divide the largest hold into parts."""
+    def _divided(self, steps: Indices, parts: int) -> EdgeMemory:
+        """The same at instants in some steps, which divide the largest hold into parts."""
         hold = self.hold[: self.last + 1]
         moved = np.abs(np.diff(hold)) * parts / np.nanmax(hold[self.begin :])
-        inside = np.where(steps, np.ceil(np.nan_to_num(moved)), 1).clip(1).astype(int)
+        inside = np.ones(self.last, dtype=np.int64)
+        inside[steps] = np.ceil(np.nan_to_num(moved[steps])).clip(1)
+        if inside.max() == 1:
+            return self
         ways = (np.arange(each) / each + step for step, each in enumerate(inside.tolist()))
         times = np.concatenate([*ways, [self.last]])
         return self._at(times, partial(straight, times=times))

@@ -83,6 +83,14 @@ def test_a_history_that_ends_against_plays(seed: int) -> None:
     assert cycles.k_t_range[cycles.worst] == np.ptp(k_t)
 
 
+def test_slip_of_counted_cycles_is_that_of_their_own_reversals() -> None:
+    mission = [0.0, 1, 0.2, 0.8, -0.4, 0]
+    k_t = np.array(mission + mission[1:] + mission[1:])
+    cycles = counted(k_t, np.arange(10, 16))
+    assert sorted(cycles.k_t_range.tolist()) == pytest.approx([0.6, 1.4])
+    assert cycles.slip == pytest.approx(cycles.k_t_range / FRICTION)
+
+
 def test_regular_cycles_are_no_mission() -> None:
     angle = np.arange(121) * np.pi / 20
     cycles = counted(np.sin(angle), np.arange(80, 121))
@@ -128,5 +136,7 @@ def test_plateaus_and_equal_cycles() -> None:
 
 def test_100_000_states() -> None:
     k_t = np.append(0.0, np.random.default_rng(3).uniform(-1, 1, 100_000))
-    assert len(counted(k_t).count) > 30_000
-    assert len(longest(k_t, 0)) == 2
+    memory = memory_of(k_t)
+    found = count_cycles(NO_CYCLE, np.full(len(k_t), FRICTION), memory.station, memory)
+    assert len(found.count) > 30_000
+    assert len(memory.longest((0, len(k_t) - 1))) == 2
