@@ -120,7 +120,7 @@ def _order(states: Indices, k_t: Array, returns: bool) -> tuple[Indices, bool]:
 
 def _slip(start: int, end: int, memory: EdgeMemory | None) -> float:
     """Slip length from one reversal to another; NaN if P moves the edge in between."""
-    if memory is None or not memory.station.at_rest(*sorted((start, end)), CLOSED):
+    if memory is None or not memory.station.at_rest(min(start, end), max(start, end), CLOSED):
         return math.nan
     number = bisect_left(memory.half_cycles, end, key=lambda half: half.turn)
     found = memory.half_cycles[number : number + 1]

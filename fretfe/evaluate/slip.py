@@ -181,13 +181,15 @@ def zones_of(
             border, doubt = _without_steps(border, memory.misplaced(half))
             spread = math.hypot(spread, doubt)
         missed = 0.0 if unlike else _missed(half, memory.fine)
+        deepest = (start, end) if unlike or border.gross else half.deepest
+        inner = border if deepest[1] == end else find_border(*deepest)
         # Known to a good part of itself, or nothing is there to be known.
         told = border.gross or border.length == 0 or spread <= LARGEST_SPREAD * border.length
         zone = SlipZone(
             start=start,
             end=end,
             length=border.length,
-            border=_innermost(half, station, border, find_border),
+            border=float(station.position[deepest[1]]) + station.inward * inner.length,
             spread=math.hypot(spread, missed),
             resolved=border.resolved and told,
             gross=border.gross,
@@ -197,19 +199,6 @@ def zones_of(
         )
         zones.append(_doubted(zone, border.spread, foretold))
     return tuple(zones)
-
-
-def _innermost(
-    half: HalfCycle, station: StationHistory, border: SlipBorder, find_border: FindBorder
-) -> float:
-    """Position of the inner end of slip where that comes deepest; NaN where it is not resolved."""
-    start, end = half.deepest
-    if half.way and end != half.end:
-        border = find_border(start, end)
-        border = border if border.resolved else replace(border, length=math.nan)
-    else:
-        end = half.end
-    return float(station.position[end]) + station.inward * border.length
 
 
 def _asymptote(memory: EdgeMemory, half: HalfCycle) -> float:

@@ -285,7 +285,7 @@ class EdgeData(ABC):
         cycles = count_cycles(cycle, friction, along, memory, self.steps.whole.loads.returns)
         unresolved = self.unresolved(number, direction)
         spread = self.factors.range_spread(number, direction, unresolved, states, self.path)
-        beside = left_out(self.steps.whole.cycle, states, self.force)
+        beside = left_out(self.steps.whole.cycle, states, self.force, self.steps.touching)
         layer = self.layer(number).range_error
         spread = replace(spread, layer=layer * swing, beside=beside * swing)
         point, frame = self.place(number, history.decisive)
