@@ -164,27 +164,20 @@ def _with_edges(contact: ContactHistory, force: Array, first: int, last: int) ->
     return edges & bool(share.max() > NO_LOAD)
 
 
-def left_out(
-    cycle: tuple[int, int] | None, states: Indices, force: Array, touching: Bools
-) -> float:
+def left_out(cycle: tuple[int, int] | None, states: Indices, force: Array) -> float:
     """Range of K_T that may lie in the states of a cycle left out, over that in the others.
-
-    Where bodies part it counts from where they touch again. What it is by then goes with P and the
-    place: twice as much on wedges.
 
     Args:
         cycle: first and last state of all of it.
         states: of its part over which the range is taken.
         force: (T,) P.
-        touching: (T,) states in which bodies touch.
     """
     if cycle is None or not len(states):
         return 0.0
     ends = [mine for mine, whole in zip(states[[0, -1]], cycle, strict=True) if mine != whole]
     share = force[ends].max(initial=0.0) / force[states].max()
     part = float(max(share, 0.0) ** GROWTH)
-    whole = touching[cycle[0] : cycle[1] + 1].all()
-    return (1.0 if whole else 2.0) * part / max(1.0 - part, 0.1)
+    return part / max(1.0 - part, 0.1)
 
 
 def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, float]:

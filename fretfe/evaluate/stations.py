@@ -42,7 +42,7 @@ from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import LoadPath, load_path
-from fretfe.evaluate.loaded import decisive_state, left_out
+from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import (
     FindBorder,
@@ -136,6 +136,10 @@ class EdgeData(ABC):
     @abstractmethod
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
+
+    def beside(self, number: int, along: Array, states: Indices) -> float:
+        """Range of a factor (T,) over states that may lie in others, in which there is no edge."""
+        return 0.0
 
     @abstractmethod
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
@@ -285,9 +289,8 @@ class EdgeData(ABC):
         cycles = count_cycles(cycle, friction, along, memory, self.steps.whole.loads.returns)
         unresolved = self.unresolved(number, direction)
         spread = self.factors.range_spread(number, direction, unresolved, states, self.path)
-        beside = left_out(self.steps.whole.cycle, states, self.force, self.steps.touching)
-        layer = self.layer(number).range_error
-        spread = replace(spread, layer=layer * swing, beside=beside * swing)
+        beside, layer = self.beside(number, along.k_t, states), self.layer(number).range_error
+        spread = replace(spread, layer=layer * swing, beside=beside)
         point, frame = self.place(number, history.decisive)
         fits, fitted = self.factors.fitted, math.nan
         if fits is not None:

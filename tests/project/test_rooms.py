@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1561,
     "contact": 2286,
     "decision": 2001,
-    "evaluate": 8580,
+    "evaluate": 8595,
     "exchange": 2117,
     "fem": 4136,
     "fields": 1126,
