@@ -352,9 +352,8 @@ class Part:
 def summary(parts: Sequence[Part]) -> str:
     """Iterations, parts and largest violation of a step, in words."""
     results = [each.result for each in parts]
-    iterations, count = (
-        sum(each) for each in zip(*((r.iterations, r.parts) for r in results), strict=True)
-    )
+    iterations = sum(each.iterations for each in results)
+    count = sum(each.parts for each in results)
     worst = max(each.certificate.worst for each in results)
     cut = f", cut into {count} parts" if count > 1 else ""
     return f"{iterations} iterations{cut}, violation {worst:.0e}"
@@ -409,10 +408,11 @@ class Division:
                 parts.append(part)
             return parts
         # Loads on the way find no solution, as where all would slide, or nothing touches any more.
-        with suppress(NotConverged):
-            state = parts[-1].result.state if parts else state
-            end = self._loads(number, 1.0, state)
-            return [*parts, Part(1.0, self._march.advance(state, begin, end))]
+        if parts:
+            with suppress(NotConverged):
+                state = parts[-1].result.state
+                end = self._loads(number, 1.0, state)
+                return [*parts, Part(1.0, self._march.advance(state, begin, end))]
         return [Part(1.0, whole)]
 
     def _parts(
