@@ -149,9 +149,8 @@ class SlidGap:
 
         far, (before, initial, pull), nearby = self._sides[number]
         known = nearby if np.linalg.norm(sliding) <= self._nearby else None
-        moved = replace(far, points=far.points + sliding)
-        support, height, _ = self._heights(moved, known)
-        products = self.surface2.hat_products()
+        support, height, _ = self._heights(replace(far, points=far.points + sliding), known)
+        products = self.surface2.hat_products
         full = products.sum(axis=1)
         whole = np.flatnonzero(np.minimum(before, support) > (1 - WHOLE) * full)
         if not len(whole):
@@ -359,7 +358,7 @@ def _nodes(
 ) -> tuple[Indices, Indices]:
     """(N,) vertices that carry multipliers, and the number of each vertex (v,) among them or -1."""
     support = _totals(vertices, tests, len(carrier.vertices))
-    nodes = np.flatnonzero(support > SMALLEST_SUPPORT * carrier.hat_products().sum(axis=1))
+    nodes = np.flatnonzero(support > SMALLEST_SUPPORT * carrier.hat_products.sum(axis=1))
     # A chain has its body on the left: only that of body 1 runs in the direction of t.
     if carrier.dimension == 2 and not on_first:
         nodes = nodes[::-1]

@@ -233,6 +233,7 @@ class Surface:
         """Length of the whole surface, or the root of its area."""
         return float(self.measures.sum() ** (1 / (self.dimension - 1)))
 
+    @cached_property
     def hat_products(self) -> sparse.csr_array:
         """(v, v) integrals of products of the hat functions over the whole surface."""
         from scipy import sparse

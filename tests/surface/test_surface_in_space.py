@@ -92,7 +92,7 @@ def test_sizes_are_roots_of_areas(shape: str, order: int) -> None:
 @KINDS
 def test_hats_integrate_linear_functions(shape: str, order: int) -> None:
     surface = flat(shape, order)
-    hats = surface.hat_products().sum(axis=1)
+    hats = surface.hat_products.sum(axis=1)
     assert len(hats) == 5 * 6
     # ∫ x, ∫ y and ∫ 1 over the square; hats hold linear functions exactly.
     np.testing.assert_allclose(hats @ surface.vertices, 0, atol=1e-14)
