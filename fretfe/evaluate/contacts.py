@@ -466,7 +466,9 @@ class Station(StationHistory):
         float, Quantity("k_t", "range of (K_T, K_S) along the direction in which it varies most")
     ]
     k_angle: Annotated[float, Quantity("angle", "that direction, from inward towards along")] = 0.0
-    turning: Annotated[float, Quantity("", "range across that direction over it")] = 0.0
+    turning: Annotated[float, Quantity("", "range across that direction over the one along it")] = (
+        0.0
+    )
     k_range_spread: Annotated[float, Quantity("k_t", "its error bar")]
     k_range_parts: RangeSpread
     k_t_range_fitted: Annotated[
@@ -551,11 +553,12 @@ class Station(StationHistory):
         of nodes comes deeper before or after they are longest.
         """
         zones = self.slip_zones[-2:]
-        inner = [
-            zone.reported_local + each
+        # What the inner ends count from: farther inward than the front where slip comes deeper.
+        starts = [
+            zone.border - zone.length if zone.length >= 0 else self.position[zone.end]
             for zone in zones
-            for each in [zone.border - zone.length if zone.length >= 0 else self.position[zone.end]]
         ]
+        inner = [start + zone.reported_local for start, zone in zip(starts, zones, strict=True)]
         return float(max(inner)) if inner and np.isfinite(inner).all() else math.nan
 
     @property

@@ -70,11 +70,11 @@ class Places:
 
         That is straight between places, and to nothing in the middle (exact for half-planes).
         """
-        place, sizes = self.at(gained), self.unit**-2.0
+        place = self.at(gained)
         if place < self.outward[0] and math.isfinite(self.middle):
             share = (place - self.middle) / (self.outward[0] - self.middle)
             return float(self.unit[0] / math.sqrt(share)) if share > 0 else math.inf
-        return float(np.interp(place, self.outward, sizes) ** -0.5)
+        return float(np.interp(place, self.outward, self.unit**-2.0) ** -0.5)
 
     def gain(self, outward: Array) -> Array:
         """(T,) what it has gained at places (T,) between known ones."""

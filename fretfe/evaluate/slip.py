@@ -4,8 +4,10 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from itertools import takewhile
 
 import numpy as np
 
@@ -227,14 +229,11 @@ def _without_steps(border: SlipBorder, misplaced: float) -> tuple[SlipBorder, fl
 
 def _missed(half: HalfCycle, fine: EdgeMemory) -> float:
     """Length by which a zone is longer within steps than it is as they end."""
-    near = [
-        each.length - half.length
-        for each in fine.half_cycles
-        if each.way == half.way
-        and fine.times[each.start] < half.turn
-        and fine.times[each.turn] > half.start
-    ]
-    return max((each for each in near if each > 0), default=0.0)
+    halves, times = fine.half_cycles, fine.times
+    first = bisect_right(halves, float(half.start), key=lambda each: float(times[each.turn]))
+    meanwhile = takewhile(lambda each: times[each.start] < half.turn, halves[first:])
+    longer = (each.length - half.length for each in meanwhile if each.way == half.way)
+    return max((each for each in longer if each > 0), default=0.0)
 
 
 def _doubted(zone: SlipZone, spread: float, foretold: float) -> SlipZone:
