@@ -24,8 +24,20 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.contacts import SAME_RANGE, StationHistory
-from fretfe.evaluate.edge_slip import BEHIND, TOLERANCE, Places, Slip, follow, places_of
+from fretfe.evaluate.edge_slip import (
+    BEHIND,
+    ROUND_OFF,
+    TOLERANCE,
+    HalfCycle,
+    Places,
+    Slip,
+    follow,
+    places_of,
+)
 from fretfe.evaluate.load_path import LoadPath, straight
+
+# The loads between the steps from one state to another.
+FindPath = Callable[[tuple[int, int]], LoadPath | None]
 
 # Slip that takes less than this part of f H is none: zones of so much of the half-width.
 UNDRIVEN = 1e-5
@@ -42,34 +54,6 @@ COMPLETE = 1e-2
 
 
 @dataclass(frozen=True)
-class HalfCycle:
-    """Slip of an edge one way, from a reversal to the next.
-
-    Attributes:
-        start, turn: first state, and last one in which it slips on.
-        end: state in between in which its zone is longest.
-        way: 1 forward, -1 backward, 0 if nothing slips.
-        front: hold of the inner end of the zone at `end`.
-        length: of the zone; NaN if the whole contact slips.
-        deepest: states in between from which and in which slip comes deepest of what is left at
-            `turn`, also where places have been covered and stick since.
-    """
-
-    start: int
-    turn: int
-    end: int
-    way: int
-    front: float
-    length: float
-    deepest: tuple[int, int]
-
-    @classmethod
-    def still(cls, start: int, end: int) -> HalfCycle:
-        """One in which nothing slips."""
-        return cls(start, end, end, 0, math.nan, 0.0, (start, end))
-
-
-@dataclass(frozen=True)
 class EdgeMemory:
     """An edge followed through all states.
 
@@ -82,8 +66,7 @@ class EdgeMemory:
         last: state up to which it is.
         rubbed: whether something may be locked in at the beginning.
         times: (T,) numbers of the states, with a share of the step for instants within one.
-        loads: of the cycle, with which it ends, between its steps; None if they are straight
-            lines.
+        loads: between the steps; None if they are straight lines.
     """
 
     station: StationHistory
@@ -105,7 +88,7 @@ class EdgeMemory:
         stiffening: float = math.nan,
         half_width: float = math.nan,
         exact: bool = False,
-        loads: LoadPath | None = None,
+        path: FindPath = lambda _: None,
     ) -> EdgeMemory | None:
         """Follow an edge; None where its factors are not known, or there is no friction.
 
@@ -116,7 +99,7 @@ class EdgeMemory:
             stiffening: relative growth of dP/da with the half-width.
             half_width: of the contact in the state `last` of the station.
             exact: whether its hold is known as well as its positions.
-            loads: of a cycle that ends with that state between its steps.
+            path: gives the loads between the steps from one state to another.
         """
         inside = slice(0, last + 1)
         hold, shear = station.hold[inside], station.shear[inside]
@@ -135,36 +118,45 @@ class EdgeMemory:
             last=last,
             rubbed=bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0,
             times=np.arange(last + 1.0),
-            loads=loads,
+            loads=path((begin, last)),
         )
 
     @cached_property
     def fine(self) -> EdgeMemory:
-        """The same at instants: as P moves the edge, and by the loads in the steps of a cycle."""
-        fine = self._at(self.loads.times, self.loads.refined) if self.loads else self
-        fine = fine._divided(np.arange(fine.last), 16)
+        """The same at instants: as P moves the edge, and by the loads within steps."""
+        fine = self._at(self.loads.times) if self.loads else self
+        fine = self._at(fine._divided(np.ceil(16 * fine._moved)))
         ends = np.array([[half.end - 1, half.end] for half in fine.half_cycles], dtype=np.int64)
-        return fine._divided(np.unique(ends.clip(max=fine.last - 1)), 16**2)
+        parts = np.ones(fine.last)
+        parts[ends[ends < fine.last]] = 16
+        return self._at(fine._divided(parts))
 
-    def _divided(self, steps: Indices, parts: int) -> EdgeMemory:
-        """The same at instants in some steps, which divide the largest hold into parts."""
-        hold = self.hold[: self.last + 1]
-        moved = np.abs(np.diff(hold)) * parts / np.nanmax(hold[self.begin :])
-        inside = np.ones(self.last, dtype=np.int64)
-        inside[steps] = np.ceil(np.nan_to_num(moved[steps])).clip(1)
-        if inside.max() == 1:
-            return self
+    @property
+    def _moved(self) -> Array:
+        """(T-1,) part of the loads that each step makes, 0 where P does not move the edge."""
+        loads = np.array([self.hold[: self.last + 1], self.station.shear[: self.last + 1]])
+        loads[:, : self.begin] = loads[:, [self.begin]]
+        most = loads[0].max() or 1.0, np.ptp(loads[1]) or 1.0
+        hold, shear = np.abs(np.diff(loads)) / np.array(most)[:, None]
+        return np.where(hold > UNDRIVEN, np.maximum(hold, shear), 0.0)
+
+    def _divided(self, parts: Array) -> Array:
+        """Times of instants, so many (T-1,) in each step in which P moves the edge."""
+        inside = np.where(self._moved > 0, parts, 1).clip(1).astype(np.int64)
         ways = (np.arange(each) / each + step for step, each in enumerate(inside.tolist()))
-        times = np.concatenate([*ways, [self.last]])
-        return self._at(times, partial(straight, times=times))
+        return straight(self.times, np.concatenate([*ways, [self.last]]))
 
-    def _at(self, times: Array, refined: Callable[[Array], Array]) -> EdgeMemory:
+    def _at(self, times: Array) -> EdgeMemory:
         """The same at instants, which are its states."""
+        if len(times) == len(self.times):
+            return self
         station, every = self.station, slice(0, self.last + 1)
-        values = station.position, station.hold, station.shear
-        position, hold, shear = (refined(each[every]) for each in values)
+        refined = partial(self.loads.at if self.loads else straight, times=times)
+        hold, shear = (refined(each[every]) for each in (station.hold, station.shear))
         # An edge that P lifts off has no place in the end, but had one within the step.
-        gained = hold + refined(_filled(self.gained[every] - station.hold[every]))
+        moved = self.gained - station.hold
+        position, moved = (refined(_filled(each[every])) for each in (station.position, moved))
+        gained = hold + moved
         unit = np.array([*map(self.places.unit_at, gained.tolist())])
         ends = np.ceil(times).astype(np.int64)
         begin, last = np.searchsorted(times, (self.begin, station.last % len(station.hold)))
@@ -184,7 +176,7 @@ class EdgeMemory:
             gained=gained,
             begin=int(begin),
             last=len(times) - 1,
-            times=straight(self.times, times),
+            times=times,
             loads=None,
         )
 
@@ -296,9 +288,9 @@ class EdgeMemory:
     def recurring(self) -> tuple[HalfCycle, ...]:
         """Half cycles without first loading that a later one exceeds: slip comes so far once."""
         swings = np.array([*map(self._swing, self.half_cycles), 0.0])
-        later = np.maximum.accumulate(swings[:0:-1])[::-1]
+        later = (1 + SAME_RANGE) * np.maximum.accumulate(swings[:0:-1])[::-1]
         pairs = zip(self.half_cycles, swings, later, strict=False)
-        return tuple(each for each, own, most in pairs if own >= most or not self._once(each))
+        return tuple(each for each, own, most in pairs if own > most or not self._once(each))
 
     def _swing(self, half: HalfCycle) -> float:
         return abs(float(self.station.shear[half.end] - self.station.shear[half.start]))
@@ -337,11 +329,15 @@ class EdgeMemory:
     def misheld(self, half: HalfCycle) -> float:
         """Part of an equivalent range that is in doubt: edges move otherwise than their hold tells.
 
-        So they do between finite bodies that slip.
+        So they do between finite bodies that slip. And the instant in which a zone is longest.
         """
-        ends = [half.start, half.end]
+        ends, before = [half.start, half.end], half.end - 1
         missed = float(np.diff(self.gained[ends] - self.station.hold[ends])[0])
-        return 2 * float(self.friction[half.end] * self.station.unit[half.end]) * abs(missed)
+        missed *= 2 * float(self.friction[half.end] * self.station.unit[half.end])
+        earlier = replace(half, end=before, front=float(self.slip.front[before]))
+        apart = self.equivalent_range(half) - self.equivalent_range(earlier)
+        between = self.times[half.end] % 1 and math.isfinite(apart)
+        return math.hypot(missed, apart if between else 0.0)
 
     @property
     def sure(self) -> bool:
@@ -433,12 +429,23 @@ class EdgeMemory:
         """Length by which nodes find a zone longer than it is where steps have covered its end.
 
         Nodes close in solved states: what a step shears while it covers places is there as if they
-        had been covered when it began. NaN if then the whole contact slips.
+        had been covered when it began, and by straight loads. NaN if then the whole contact slips.
         """
         if not half.way or math.isnan(half.length):
             return 0.0
         found = self.of_nodes.between(self.onset(half), half.end, half.way).front
-        return self.length(half.end, found) - half.length
+        return self.length(half.end, found) - self.told(half)
+
+    def told(self, half: HalfCycle) -> float:
+        """Length of the zone of a half cycle, as the loads between steps have it."""
+        if not half.way or math.isnan(half.length):
+            return half.length
+        fine = self.fine
+        start, end = np.searchsorted(fine.times, (self.onset(half), half.end)).tolist()
+        # What slips by straight loads may have stopped by these, or not slip at all.
+        slips = np.flatnonzero(fine.slip.way[: end + 1] == half.way)
+        end = int(slips[-1]) if len(slips) else start
+        return fine.length(end, fine.slip.between(start, end, half.way).front)
 
     def _half(self, start: int, turn: int, way: int) -> HalfCycle:
         """A half cycle with the state in which its zone is told."""
@@ -451,9 +458,14 @@ class EdgeMemory:
         lengths = np.nan_to_num(lengths, nan=0.0 if little else math.inf)
         inner = int(np.flatnonzero(fronts <= fronts[-1])[0])
         deepest = int(begins[inner]), int(states[inner])
-        end = int(np.flatnonzero(lengths >= (1 - SAME_RANGE) * lengths.max())[-1])
-        start, front, end = int(begins[end]), float(fronts[end]), int(states[end])
-        front = max(front, self.slip.between(start, end, way).front)
+        while True:
+            at = int(np.flatnonzero(lengths >= (1 - ROUND_OFF) * lengths.max())[-1])
+            start, front, end = int(begins[at]), float(fronts[at]), int(states[at])
+            driven = self.slip.between(start, end, way).front
+            if driven <= front:
+                break
+            # A loop that closes touches an older front: that is not how far its slip comes.
+            fronts[at], lengths[at] = driven, self.length(end, driven)
         length = self.length(end, front) if self.knows(front, start) else math.nan
         return HalfCycle(start, turn, end, way, front, length, deepest)
 

@@ -200,6 +200,34 @@ class Pieces:
         return float(low[faint[-1] + 1] if len(faint) else low[0])
 
 
+@dataclass(frozen=True)
+class HalfCycle:
+    """Slip of an edge one way, from a reversal to the next.
+
+    Attributes:
+        start, turn: first state, and last one in which it slips on.
+        end: state in between in which its zone is longest.
+        way: 1 forward, -1 backward, 0 if nothing slips.
+        front: hold of the inner end of the zone at `end`.
+        length: of the zone; NaN if the whole contact slips.
+        deepest: states in between from which and in which slip comes deepest of what is left at
+            `turn`, also where places have been covered and stick since.
+    """
+
+    start: int
+    turn: int
+    end: int
+    way: int
+    front: float
+    length: float
+    deepest: tuple[int, int]
+
+    @classmethod
+    def still(cls, start: int, end: int) -> HalfCycle:
+        """One in which nothing slips."""
+        return cls(start, end, end, 0, math.nan, 0.0, (start, end))
+
+
 def places_of(
     station: StationHistory, last: int, half_width: float, exact: bool, stiffening: float
 ) -> Places:

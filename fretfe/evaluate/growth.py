@@ -136,7 +136,8 @@ def zone_growth(memory: EdgeMemory, start: int, end: int, outer: Bools) -> Growt
     pieces = memory.slip.between(start, end, way, outer)
     if not memory.knows(pieces.deepest, start):
         return None
-    if pieces.taken > 0 and (np.diff(hold[memory.begin :]) > 0).any():  # the shape of the nodes
+    slips = pieces.taken > TOLERANCE * f * largest
+    if slips and (np.diff(hold[memory.begin :]) > 0).any():  # the shape of the nodes
         pieces = memory.of_nodes.between(start, end, way, outer)
     levels = np.linspace(largest, memory.hold_of(pieces.deepest), LEVELS + 1)
     depth, rates = 2 * unit * (largest - levels), unit / f * pieces.within(memory.made(levels))

@@ -14,6 +14,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array
+from fretfe.loads.history import within_steps
 
 # Loads that leave the straight line by less than this part of their range are lines.
 STRAIGHT = 1e-9
@@ -47,28 +48,25 @@ class LoadPath:
         within = np.arange(count * (inner + 1) + 1) / (inner + 1)
         return np.append(np.arange(self.first), self.first + within)
 
-    def refine(self, factor: Array) -> Array:
-        """A factor (T,) of all states at the (n (S + 1) + 1,) instants of the cycle."""
-        count, inner, _ = self.bulges.shape
-        values = factor[self.first : self.first + count + 1]
-        if not np.isfinite(values).all():
-            return np.full(count * (inner + 1) + 1, np.nan)
-        slopes = np.linalg.lstsq(self.steps, np.diff(values), rcond=None)[0]
-        shares = np.arange(1, inner + 1) / (inner + 1)
-        within = values[:-1, None] + np.diff(values)[:, None] * shares + self.bulges @ slopes
-        return np.append(np.column_stack([values[:-1], within]).ravel(), values[-1])
-
-    def refined(self, values: Array) -> Array:
-        """Values (T,) of all states to the end of the cycle, with the instants in its steps."""
-        return np.append(values[: self.first], self.refine(values))
+    def at(self, values: Array, times: Array) -> Array:
+        """Values (T,) of all states, to the end of the cycle, at times as of `straight`."""
+        own = slice(self.first, self.first + len(self.bulges))
+        steps, inner = np.diff(values), self.bulges.shape[1]
+        if not np.isfinite(steps[own]).all():
+            return np.full(len(times), np.nan)
+        slopes = np.linalg.lstsq(self.steps, steps[own], rcond=None)[0]
+        between = values[:-1, None] + steps[:, None] * np.arange(1, inner + 1) / (inner + 1)
+        between[own] += self.bulges @ slopes
+        ends = np.ceil(times).astype(np.int64)
+        return within_steps(values[:, None], between[..., None], ends, 1 - (ends - times))[:, 0]
 
 
 def excess(factor: Array, path: LoadPath | None) -> float:
     """Excess of a factor (T,) between the steps of a cycle over its range at them; 0 if unknown."""
     if path is None:
         return 0.0
-    fine = path.refine(factor)
     ends = factor[path.first : path.first + len(path.bulges) + 1]
+    fine = path.at(factor[: path.first + len(ends)], path.times[path.first :])
     return float(np.ptp(fine) - np.ptp(ends)) if np.isfinite(fine).all() else 0.0
 
 

@@ -14,7 +14,8 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
 from fretfe.evaluate.contacts import NOTHING, SlipZone, StationHistory
-from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
+from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
@@ -165,7 +166,7 @@ def zones_of(
             zones.append(SlipZone.untold(start, half.turn))
             continue
         border = find_border(start if unlike else memory.onset(half), end)
-        loop = half.length if memory.doubt(half) <= LEFT_OPEN else math.nan
+        loop = memory.told(half) if memory.doubt(half) <= LEFT_OPEN else math.nan
         cyclic, foretold = math.nan, loop
         if unlike:
             (cyclic, loop), foretold = _prediction(cycle, friction[end], end, station), math.nan
@@ -182,7 +183,7 @@ def zones_of(
         if not unlike and border.length > 0:
             border, doubt = _without_steps(border, memory.misplaced(half))
             spread = math.hypot(spread, doubt)
-        missed = 0.0 if unlike else _missed(half, memory.fine)
+        missed = 0.0 if unlike else _missed(half, memory)
         deepest = (start, end) if unlike or border.gross else half.deepest
         inner = border if deepest[1] == end else find_border(*deepest)
         # Known to a good part of itself, or nothing is there to be known.
@@ -227,12 +228,12 @@ def _without_steps(border: SlipBorder, misplaced: float) -> tuple[SlipBorder, fl
     return replace(border, length=length), MISPLACED * abs(misplaced)
 
 
-def _missed(half: HalfCycle, fine: EdgeMemory) -> float:
+def _missed(half: HalfCycle, memory: EdgeMemory) -> float:
     """Length by which a zone is longer within steps than it is as they end."""
-    halves, times = fine.half_cycles, fine.times
+    halves, times, told = memory.fine.half_cycles, memory.fine.times, memory.told(half)
     first = bisect_right(halves, float(half.start), key=lambda each: float(times[each.turn]))
     meanwhile = takewhile(lambda each: times[each.start] < half.turn, halves[first:])
-    longer = (each.length - half.length for each in meanwhile if each.way == half.way)
+    longer = (each.length - told for each in meanwhile if each.way == half.way)
     return max((each for each in longer if each > 0), default=0.0)
 
 

@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, cached_property, partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,8 @@ from fretfe.evaluate.contacts import (
 from fretfe.evaluate.cycles import count_cycles
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads
-from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
+from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
     FactorHistories,
     along_line,
@@ -205,11 +206,10 @@ class EdgeData(ABC):
         swing = cycle_states(self.steps.swing)
         return swing if np.isfinite(along[swing]).all() else self.cycle
 
-    @cached_property
-    def path(self) -> LoadPath | None:
-        """The loads of the cycle between its steps, unless they are straight lines."""
+    def path_of(self, states: tuple[int, int] | None) -> LoadPath | None:
+        """The loads between the steps from one state to another, unless they are straight lines."""
         solution = self.steps.solution
-        return load_path(solution.values, solution.between, solution.cycle)
+        return load_path(solution.values, solution.between, states)
 
     def stations(self, told: float | None) -> tuple[Station, ...]:
         """The stations, of unlike bodies at the lengths of their predicted slip zones or another.
@@ -283,12 +283,14 @@ class EdgeData(ABC):
             stiffening=stiffening,
             half_width=float(self.half_widths[number]),
             exact=bool(self.factors.exact),
+            path=self.path_of,
         )
-        memory = remember(last, loads=self.path)
+        memory = remember(last)
         whole = memory if end == last else remember(end)
         cycles = count_cycles(cycle, friction, along, memory, self.steps.whole.loads.returns)
         unresolved = self.unresolved(number, direction)
-        spread = self.factors.range_spread(number, direction, unresolved, states, self.path)
+        path = self.path_of(self.steps.solution.cycle)
+        spread = self.factors.range_spread(number, direction, unresolved, states, path)
         beside, layer = self.beside(number, along.k_t, states), self.layer(number).range_error
         spread = replace(spread, layer=layer * swing, beside=beside)
         point, frame = self.place(number, history.decisive)

@@ -9,7 +9,8 @@ from cases.edge_histories import edge_history
 
 from fretfe.evaluate.contacts import CountedCycles
 from fretfe.evaluate.cycles import count_cycles
-from fretfe.evaluate.edge_memory import EdgeMemory, HalfCycle
+from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.edge_slip import HalfCycle
 
 FRICTION = 0.5
 NO_CYCLE = np.array([], dtype=np.int64)

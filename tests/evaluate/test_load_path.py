@@ -31,7 +31,7 @@ def path() -> LoadPath:
 
 def test_a_factor_linear_in_the_loads_is_exact_between_the_steps() -> None:
     units = np.array([0.03, -1.7])
-    fine = path().refine(loads(TIMES) @ units)
+    fine = path().at(loads(TIMES) @ units, path().times[CYCLE[0] :])
     assert fine == pytest.approx(loads(FINE)[PARTS * CYCLE[0] :] @ units, abs=1e-12)
 
 
@@ -58,5 +58,5 @@ def test_nothing_is_missed_between_straight_lines() -> None:
 def test_an_unknown_state_leaves_the_cycle_unknown() -> None:
     factor = loads(TIMES)[:, 0]
     factor[6] = np.nan
-    assert np.isnan(path().refine(factor)).all()
+    assert np.isnan(path().at(factor, path().times)).all()
     assert excess(factor, path()) == 0.0

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
+from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -306,18 +307,18 @@ def _station(
     history = in_cycle(cycle, history)
     borders = ClosedFormBorders(problem, cycle, history)
     loads = problem.history
-    path = load_path(loads.values, loads.between, loads.cycle)
+    path = partial(load_path, loads.values, loads.between)
     ends = np.arange(len(position))
     state = decisive_state(problem.normal_force, history.k_t, cycle, ends)
     history = replace(history, decisive=state)
     a, end = float((contact.right - contact.left)[last] / 2), last_state(cycle, history)
-    memory = EdgeMemory.of(history, problem.friction, end, half_width=a, loads=path)
+    memory = EdgeMemory.of(history, problem.friction, end, half_width=a, path=path)
     cycles = count_cycles(cycle, problem.friction, history, memory, problem.history.returns)
     zones: tuple[SlipZone, ...] = ()
     if memory is not None:
         halves = half_cycles(cycle, memory, cycles.irregular, False)
         zones = zones_of(cycle, memory, halves, borders)
-    spread = RangeSpread(0.0, 0.0, excess(history.k_t, path))
+    spread = RangeSpread(0.0, 0.0, excess(history.k_t, path(loads.cycle)))
     k_range = cycle_range(history.k_t, cycle)
     station = Station(
         **vars(history),

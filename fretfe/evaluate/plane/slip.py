@@ -249,7 +249,10 @@ def _border_between(
             size,
             deviation,
         )
-    border = _as_last_nodes(border, s, slip, moved)
+    points = degree == 0
+    if points and growth is not None and not growth.even and border.length > 0:
+        slip = slip / growth.stretch(s / border.length, deviation / border.length) ** 1.5
+    border = _as_last_nodes(border, s, slip, moved, points=points)
     if degree and border.length > 0:  # few large elements in front of a kink: up to .28 of one off
         border = replace(border, spread=max(border.spread, size / math.sqrt(12)))
     if degree == 1 and border.length > 0:
@@ -295,8 +298,12 @@ def _moved(slip: Array) -> Bools:
     return moved
 
 
-def _as_last_nodes(border: SlipBorder, s: Array, slip: Array, slips: Bools) -> SlipBorder:
+def _as_last_nodes(
+    border: SlipBorder, s: Array, slip: Array, slips: Bools, *, points: bool
+) -> SlipBorder:
     """The border, or what the last nodes that slip say of it if that is clearly something else.
+
+    Of half-planes, whose slip has no noise, it is always the better number.
 
     Slip that passes the border of the slip before it is the sum of two powers of 3/2 that end at
     either border, and few nodes may lie between these. But whatever the slip is like, its border
@@ -304,13 +311,14 @@ def _as_last_nodes(border: SlipBorder, s: Array, slip: Array, slips: Bools) -> S
 
     Of one power of 3/2 the line through |slip|^(2/3) at the last two nodes ends x elements behind
     the last one, the border x^2: in tractions that are linear between the nodes the last one slips
-    by a mean over its support. Half-planes .03 of an element at most, finite elements .25.
+    by a mean over its support. Half-planes .05 of an element at most, finite elements .25.
 
     Args:
         border: by fits through more nodes.
         s: (n,) distances of the nodes from the edge inward.
         slip: (n,) their slip, of nodes means over their supports.
         slips: (n,) whether they slip.
+        points: whether the bodies are half-planes.
     """
     count = int(np.argmin(slips[1:])) + 1
     if border.gross or not border.resolved or count < FEWEST_LAST:
@@ -322,6 +330,9 @@ def _as_last_nodes(border: SlipBorder, s: Array, slip: Array, slips: Bools) -> S
     inside = after * (first - outer) < before * size
     part = (after * (last - outer) / ((before - after) * size)) ** 2 if inside else 0.5
     other = float(last) + part * size
+    if inside and points and slip[count + 1] <= ROUND_OFF * slip.max():
+        # The first nodes know the edge to half an element, over how many share it.
+        return replace(border, length=other, spread=math.hypot(NODAL_ERROR, 0.5 / count) * size)
     if abs(border.length - other) < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
