@@ -233,8 +233,8 @@ def plot_factors(result: Result, ax: Axes | Iterable[Axes] | None = None) -> tup
     Raises:
         OutputError: if no station of solids has a range, or these are not two axes.
     """
+    from fretfe.evaluate.headline import shown_stations
     from fretfe.report.figures.history import draw_factors
-    from fretfe.report.source import shown_stations
     from fretfe.report.theme import DOUBLE, draw_in
 
     if not shown_stations(result.contacts):

@@ -45,9 +45,9 @@ from fretfe.work import ROWS, RUN, StepNotes, Work
 if TYPE_CHECKING:
     from fretfe.exchange.submodel import Submodel
     from fretfe.mesh.mesh import Mesh
-    from fretfe.quality.ends import EndAnswer
     from fretfe.quality.validation import Validation
     from fretfe.report.page.html import Plots
+    from fretfe.results.end_answers import EndAnswer
     from fretfe.results.front_ends import FrontEnd
     from fretfe.sweeps import Solved, Sweep
 
@@ -140,7 +140,7 @@ class Runner:
     def _solve_worst_end(self, directory: Path, observer: Observer) -> None:
         """Solve parts around the worst free end of a run, unless that was done before."""
         from fretfe.exchange.submodel import write_submodel
-        from fretfe.quality.ends import read_answers
+        from fretfe.results.end_answers import read_answers
         from fretfe.results.front_ends import worst_end
         from fretfe.results.reader import load_result
 

@@ -26,12 +26,19 @@ from fretfe.evaluate.contacts import (
     histories,
     quantities,
 )
+from fretfe.evaluate.headline import Headline, ToldZone, WorstPlace
 from fretfe.exchange import export
 from fretfe.results import quantities as declared
 from fretfe.results.writer import CONTACT_KEYS
 
 DOCS = Path(__file__).parents[1] / "docs"
-OWNERS = {each.__name__: each for each in (Contact, CountedCycles, LocalProblem, SlipZone, Station)}
+OWNERS = {
+    each.__name__: each
+    for each in (
+        *(Contact, CountedCycles, LocalProblem, SlipZone, Station),
+        *(Headline, ToldZone, WorstPlace),
+    )
+}
 COLUMNS = {
     "contacts.csv": (declared.CONTACT, *export.STATE, *declared.CONTACTS),
     "factors.csv": (*declared.STATION, *export.STATE, *declared.FACTORS),

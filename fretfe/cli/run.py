@@ -212,7 +212,6 @@ def _silent(_: str) -> None:
 
 def _print_numbers(console: Console, result: Result) -> None:
     from fretfe.report.page.ends import end_tables
-    from fretfe.report.page.headline import headline
     from fretfe.report.page.tables import (
         contact_table,
         cycle_table,
@@ -228,7 +227,7 @@ def _print_numbers(console: Console, result: Result) -> None:
 
         return guarded(name, make, failed)
 
-    first = shown("first lines", lambda: headline(result).lines) or ()
+    first = shown("first lines", lambda: result.headline.sentences.lines) or ()
     fronts = shown("worst stations", lambda: front_texts(result)) if result.solid else ()
     for text in (*first, *(fronts or ())):
         console.print(text, highlight=False, markup=False)

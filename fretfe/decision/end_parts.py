@@ -13,7 +13,7 @@ import numpy as np
 
 from fretfe.evaluate.contacts import Station
 from fretfe.exchange.submodel import CASE
-from fretfe.quality.ends import EndAnswer, read_answers
+from fretfe.results.end_answers import EndAnswer, read_answers
 from fretfe.results.front_ends import FrontEnd, end_near, find_end, known_stations
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result

@@ -376,7 +376,8 @@ class LocalProblem:
         work: friction work in the evaluated cycle, or in all steps without one, per unit length of
             the front.
         change: of the shear over the last cycle, over the swing of the force.
-        tractions: next to the edge, at the two ends of the last half cycle. The mean of the shear
+        tractions: next to the edge, at the ends of the half cycle of the longest slip zone, which
+            has two but where nothing acts before it. The mean of the shear
             behind the slip zone is not known where the contact slid before the cycle.
         reason: why there is no solution, in words; empty if there is.
     """
@@ -814,12 +815,28 @@ class Front:
     @property
     def worst(self) -> Station | None:
         """Of the stations with factors of their own that of the largest |ΔK|; None without any."""
-        known = [each for each in self.defined if np.isfinite(each.reported_range)]
-        return max(known, key=lambda each: each.reported_range, default=None)
+        return worst_of(each for each in self.defined if np.isfinite(each.reported_range))
 
     def along(self, attribute: str) -> Array:
         """(n,) a number of all stations, by the name of the attribute."""
         return np.array([getattr(station, attribute) for station in self.stations])
+
+
+def worst_of(stations: Iterable[Station]) -> Station | None:
+    """The station of the largest range, of the largest K_N where none is known; None without.
+
+    The first one of equal ones.
+    """
+
+    def severity(station: Station) -> tuple[float, float]:
+        k_range, k_n = (
+            each if math.isfinite(each) else -1.0
+            for each in (station.reported_range, station.reported_k_n)
+        )
+        return k_range, k_n
+
+    known = [each for each in stations if max(severity(each)) > -1.0]
+    return max(known, key=severity, default=None)
 
 
 def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:

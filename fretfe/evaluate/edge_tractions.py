@@ -67,7 +67,7 @@ class EdgeTractions:
 
 @dataclass(frozen=True)
 class HalfCycleEnd:
-    """Tractions next to a station of solids where its last half cycle begins or ends.
+    """Tractions next to a station of solids where a half cycle begins or ends.
 
     Attributes:
         time: of the state.
@@ -88,7 +88,7 @@ class HalfCycleEnd:
 def half_cycle_ends(
     contact: ContactHistory, front: Front, station: Station, times: Array
 ) -> tuple[HalfCycleEnd, ...]:
-    """Both ends of the last half cycle of a station; none without its plane problem.
+    """Both ends of the half cycle of the longest slip zone; none without its plane problem.
 
     The beginning is left out where nothing has acted before.
 
@@ -98,11 +98,14 @@ def half_cycle_ends(
         station: one of its stations.
         times: (T,) of the states.
     """
-    zone, tractions = station.slip_zones[-1:], station.local.tractions
-    if not (zone and math.isfinite(zone[0].local)):
+    zone, tractions = station.longest_zone, station.local.tractions
+    if zone is None or not tractions:
         return ()
-    slips = {each.end: each.local for each in station.slip_zones}
-    states = (zone[0].start, zone[0].end)[-len(tractions) :]
+    # In a cycle that repeats itself a half cycle begins where another one ends a period later.
+    period, slips = station.last - station.first, dict[int, float]()
+    for each in station.slip_zones:
+        slips |= {each.end - period: each.local, each.end: each.local}
+    states = (zone.start, zone.end)[-len(tractions) :]
     angle = math.radians(station.k_angle)
     direction = np.array([math.cos(angle), math.sin(angle)])
     return tuple(

@@ -176,33 +176,29 @@ def judged_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     return np.arange(first, last + 1)
 
 
+def worst_counted(contacts: Sequence[Contact]) -> tuple[Contact, Station] | None:
+    """The station with the largest counted cycle; None if the loads of all are regular."""
+    irregular = [(c, edge) for c in contacts for edge in c.stations if edge.cycles.irregular]
+    return max(irregular, key=lambda each: each[1].cycles.k_t_range.max(), default=None)
+
+
 def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
     """(n,) states on the way through the worst counted cycle of the edges of some contacts.
 
     Empty if the loads are regular.
     """
-    histories = {each.name: each for each in solution.contacts}
-    irregular = [
-        (contact, edge)
-        for contact in contacts
-        for edge in contact.stations
-        if edge.cycles.irregular
-    ]
-    if not irregular:
+    counted = worst_counted(contacts)
+    if counted is None:
         return np.zeros(0, dtype=np.int64)
-    contact, edge = max(irregular, key=lambda each: largest_range(each[1]))
+    contact, edge = counted
     # Of solids `last` is the state in which the front is followed.
     own = (edge.first, edge.last) if edge.first >= 0 else None
     own, places = (solution.cycle, edge.places) if contact.solid else (own, edge.position)
-    friction = histories[contact.name].edge_friction(places)
+    history = next(each for each in solution.contacts if each.name == contact.name)
+    friction = history.edge_friction(places)
     memory = EdgeMemory.of(edge, friction, own[1] if own else len(friction) - 1, edge.stiffening)
     halves = memory.longest(own or ()) if memory else ()
     return memory.path(halves) if memory and halves else np.zeros(0, dtype=np.int64)
-
-
-def largest_range(edge: Station) -> float:
-    """The range of the worst counted cycle of an edge."""
-    return float(edge.cycles.k_t_range.max(initial=0.0))
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from __future__ import annotations
 
 import math
 from collections import defaultdict
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -91,8 +91,7 @@ class EdgeHistories:
         tangential: (S, 2, 2) their compliance to shear inward and along the edge over that.
         cycle: first and last state of the cycle that repeats itself, or None.
         dundurs: beta of unlike bodies; zero of similar ones.
-        shown: states in which the tractions of all edges are wanted; those at the ends of the last
-            half cycle of each if there are none.
+        shown: states in which tractions are wanted; none for those at the ends of half cycles.
     """
 
     contacts: Contacts
@@ -194,14 +193,14 @@ class EdgeSlip:
 
     Attributes:
         profiles: of the half cycles.
-        tractions: in the states that are shown, in their order.
+        tractions: by the states that are shown, in their order.
         work: friction work in the cycle that repeats itself, or in all steps, per unit length.
         change: of the shear over the last cycle, over the swing of the force; NaN without one.
         reason: why there is no solution, in words; empty if there is.
     """
 
     profiles: tuple[SlipProfile, ...]
-    tractions: tuple[Tractions, ...]
+    tractions: Mapping[int, Tractions]
     work: float
     change: float
     reason: str = ""
@@ -284,12 +283,12 @@ class _Calendar:
     Attributes:
         begins: edges a half cycle of which begins.
         ends: edges and numbers of the half cycles that end.
-        shown: edges whose tractions are wanted.
+        show: edges whose tractions are wanted, and as which state.
     """
 
     begins: defaultdict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
     ends: defaultdict[int, list[tuple[int, int]]] = field(default_factory=lambda: defaultdict(list))
-    shown: defaultdict[int, list[int]] = field(default_factory=lambda: defaultdict(list))
+    show: defaultdict[int, list[tuple[int, int]]] = field(default_factory=lambda: defaultdict(list))
 
 
 def _calendar(
@@ -312,11 +311,11 @@ def _calendar(
             for start in {begin, later}:
                 calendar.begins[start].append(edge)
             calendar.ends[end].append((edge, number))
-            if number == len(own) - 1 and not shown:
-                calendar.shown[begin].append(edge)
-                calendar.shown[end].append(edge)
+            if not shown:
+                calendar.show[later if begin < first else begin].append((edge, begin))
+                calendar.show[end].append((edge, end))
         for state in shown:
-            calendar.shown[state].append(edge)
+            calendar.show[state].append((edge, state))
     return calendar
 
 
@@ -359,8 +358,8 @@ class _March:
                 if not (change[~self._lost] > STEADY).any():
                     break
                 before, self._work[:] = self._shear.copy(), 0.0
-                for edge in again.shown[first]:
-                    self._tractions[edge][first] = self._now(edge, last)
+                for edge, shown in again.show[first]:
+                    self._tractions[edge][shown] = self._now(edge, last)
                 for state in range(first + 1, last + 1):
                     self._step(state, again)
                 change = self._changed(before)
@@ -402,8 +401,8 @@ class _March:
             self._part(state, part / parts, (part + 1) / parts)
         for edge, number in calendar.ends[state]:
             self._profiles[edge][number] = self._profile(edge, state)
-        for edge in calendar.shown[state]:
-            self._tractions[edge][state] = self._now(edge, state)
+        for edge, shown in calendar.show[state]:
+            self._tractions[edge][shown] = self._now(edge, state)
 
     def _part(self, state: int, begin: float, end: float) -> None:
         given, bodies = self._given, self._bodies
@@ -492,8 +491,8 @@ class _March:
 
     def _solution(self, edge: int, change: float) -> EdgeSlip:
         if self._lost[edge]:
-            return EdgeSlip((), (), math.nan, math.nan, str(self._reasons[edge]))
-        tractions = tuple(self._tractions[edge][state] for state in sorted(self._tractions[edge]))
+            return EdgeSlip((), {}, math.nan, math.nan, str(self._reasons[edge]))
+        tractions = dict(sorted(self._tractions[edge].items()))
         scale = float(self._given.modulus[edge] * self._outermost[edge] ** 2)
         work = float(self._work[edge]) * scale
         profiles = tuple(self._profiles[edge][number] for number in sorted(self._profiles[edge]))

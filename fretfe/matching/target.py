@@ -16,7 +16,7 @@ from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.idealise.bodies import SIMILAR
-from fretfe.quality.ends import beside_end
+from fretfe.results.end_answers import beside_end
 from fretfe.results.model import Result
 
 # Correlation of K_T and K_I below which they do not vary in step.

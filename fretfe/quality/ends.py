@@ -20,14 +20,12 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.case.base import positive_number
-from fretfe.errors import ModelError, OutputError
-from fretfe.evaluate.contacts import Station
+from fretfe.errors import ModelError
 from fretfe.files import json_value, replace_text, writing
 from fretfe.quality.end_rows import NUMBERS, Rows, rows_at
-from fretfe.report.texts import with_error
+from fretfe.results.end_answers import Compared, EndAnswer, EndNumber, Meeting, write_headline
 from fretfe.results.front_ends import (
     FrontEnd,
-    end_beside,
     end_near,
     find_end,
     known_numbers,
@@ -36,8 +34,8 @@ from fretfe.results.front_ends import (
 )
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N
-from fretfe.results.reader import restored
-from fretfe.results.writer import ANSWER, ENDS
+from fretfe.results.writer import ANSWER
+from fretfe.results.writer import NUMBERS as RESULTS
 
 SCHEMA = {"name": "fretfe-end", "version": 3}
 # Distances from an end to which powers are fitted, over the length next to it.
@@ -47,98 +45,6 @@ GROWING = 0.05
 # Exponent of a stress whose own is not known: at the end of a quarter-plane on a half-plane of the
 # same material it is .46 where they stick, .23 without shear, and by friction of .6 none or .48.
 MOST_SINGULAR = 0.5
-
-
-@dataclass(frozen=True)
-class EndNumber:
-    """A number of `Rows` over a length from the end, with error bars.
-
-    Attributes:
-        name: in `Rows`.
-        largest: of all rows there.
-        mean: over the length.
-        exponent: m of the power distance^-m by which it grows towards the end; NaN if not known.
-        grows: whether it grows like a power, so that the largest value is one of the elements.
-    """
-
-    name: str
-    largest: float
-    largest_spread: float
-    mean: float
-    mean_spread: float
-    exponent: float
-    exponent_spread: float
-    grows: bool
-
-
-@dataclass(frozen=True)
-class Compared:
-    """A number by the run and by a sub-model, each with its error bar; NaN where it has none."""
-
-    run: float
-    run_spread: float
-    part: float
-    part_spread: float
-
-    @property
-    def agrees(self) -> bool:
-        """False if the two are known and differ by more than both error bars together."""
-        missing = abs(self.run - self.part) - math.hypot(self.run_spread, self.part_spread)
-        return not missing > 0
-
-
-@dataclass(frozen=True)
-class Meeting:
-    """A station of the run where a sub-model has its numbers, too.
-
-    Attributes:
-        station: its name.
-        distance: from the end.
-        k_range: |ΔK|.
-        k_n: K_N.
-    """
-
-    station: str
-    distance: float
-    k_range: Compared
-    k_n: Compared
-
-    @property
-    def agrees(self) -> bool:
-        """True if neither number differs."""
-        return self.k_range.agrees and self.k_n.agrees
-
-
-@dataclass(frozen=True)
-class EndAnswer:
-    """Numbers at and near a free end of a front by two sub-models.
-
-    Attributes:
-        name: of the end.
-        point: (3,) its place.
-        distance: (n,) of the stations of the finer sub-model from the end, increasing.
-        k_range, k_range_spread: (n,) |ΔK| there, with its error bar, as far as it means something.
-        k_n, k_n_spread: (n,) K_N there; NaN where there is none.
-        coarser: (n,) |ΔK| by the coarser sub-model.
-        exponent, exponent_spread: m of the power distance^-m by which it grows, as of `EndNumber`.
-        length: over which numbers next to the end are taken.
-        numbers: of the nodes over that length.
-        meetings: with stations of the run, those nearest to the end first.
-    """
-
-    name: str
-    point: Array
-    distance: Array
-    k_range: Array
-    k_range_spread: Array
-    k_n: Array
-    k_n_spread: Array
-    coarser: Array
-    exponent: float
-    exponent_spread: float
-    length: float
-    numbers: tuple[EndNumber, ...]
-    meetings: tuple[Meeting, ...]
 
 
 def write_answer(run: Result, answer: EndAnswer, folder: Path) -> Path:
@@ -164,48 +70,9 @@ def write_answer(run: Result, answer: EndAnswer, folder: Path) -> Path:
     path = folder / ANSWER
     with writing(path, "the answer at the end"):
         replace_text(path, json.dumps(json_value(table), indent=1, allow_nan=False) + "\n")
+    if run.directory is not None and (run.directory / RESULTS).exists():
+        write_headline(run.directory)
     return path
-
-
-def read_answers(run: Result) -> list[EndAnswer]:
-    """Numbers at free ends of a run, from the folders of their sub-models in its own.
-
-    Raises:
-        OutputError: if a file cannot be read.
-    """
-    found = sorted((run.directory / ENDS).glob(f"*/{ANSWER}")) if run.directory else []
-    return [_read(path) for path in found]
-
-
-def beside_end(run: Result, station: Station) -> str:
-    """Place of a station near a free end, and |ΔK| by sub-models there; empty farther away."""
-    end = end_beside(run, station)
-    if end is None:
-        return f"a free end is {station.to_end:.3g} away" if station.end else ""
-    return f"the free end {end.name} is {station.to_end:.3g} away{nearest_range(run, end)}"
-
-
-def nearest_range(run: Result, end: FrontEnd) -> str:
-    """|ΔK| nearest to an end by its sub-models, in words; empty if there are none."""
-    found = (each for each in read_answers(run) if each.name == end.name and len(each.distance))
-    return "".join(
-        f" (by its sub-models |ΔK| is {with_error(each.k_range[0], each.k_range_spread[0])} "
-        f"{run.unit('k_t')} {each.distance[0]:.3g} {run.case.units.length} from it)"
-        for each in found
-    )
-
-
-def meeting_at(run: Result, station: str) -> Meeting | None:
-    """Numbers at a station by sub-models; None if there are none."""
-    met = (each for answer in read_answers(run) for each in answer.meetings)
-    return next((each for each in met if each.station == station), None)
-
-
-def _read(path: Path) -> EndAnswer:
-    try:
-        return restored(EndAnswer, json.loads(path.read_text("utf-8")))
-    except (OSError, ValueError, KeyError, TypeError) as error:
-        raise OutputError(f"{path}: expected what sub-models found at an end: {error}") from error
 
 
 def end_answer(

@@ -16,7 +16,14 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate import analyse_tractions
-from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station
+from fretfe.evaluate.contacts import (
+    LARGEST_SPREAD,
+    Contact,
+    Front,
+    SlipZone,
+    Station,
+    worst_of,
+)
 from fretfe.evaluate.plane.evaluate import NEARLY_ALONG_Z
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.refinement import numbers
@@ -457,8 +464,7 @@ def subjects(contact: Contact, front: Front) -> Iterator[tuple[Place, tuple[Stat
 
 def _worst(contact: Contact, front: Front) -> tuple[Place, Station] | None:
     """The station of the largest |ΔK| that slips like an edge, as a subject of rows, if any."""
-    known = [each for each in front.judged if np.isfinite(each.reported_range)]
-    station = max(known, key=lambda each: each.reported_range, default=None)
+    station = worst_of(each for each in front.judged if np.isfinite(each.reported_range))
     if station is None:
         return None
     return Place(contact.name, f"{front.name}, station {station.number}"), station

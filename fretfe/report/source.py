@@ -10,8 +10,6 @@ from textwrap import fill
 
 import numpy as np
 
-from fretfe._typing import Indices
-from fretfe.evaluate import stress
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.history.solution import ContactHistory
@@ -91,35 +89,6 @@ def shown_contacts(run: Result) -> list[Shown]:
     """The contacts with their tractions."""
     pairs = zip(run.contacts, run.solution.contacts, strict=True)
     return [Shown(run, *pair, f"contact{number}") for number, pair in enumerate(pairs)]
-
-
-def shown_stations(contacts: Sequence[Contact]) -> list[tuple[Contact, Station]]:
-    """Stations with lines and rows of their own: edges, of solids the worst of each front."""
-    return [
-        (contact, station)
-        for contact in contacts
-        for front in contact.fronts
-        if (station := front.worst if contact.solid else front.stations[0]) is not None
-        if not station.no_edge
-    ]
-
-
-def inward(edge: Station) -> float:
-    """Direction along x from an edge into the contact: 1 or -1."""
-    return 1.0 if edge.front == "left" else -1.0
-
-
-def worst_states(shown: Shown) -> Indices:
-    """(n,) states on the way through the worst counted cycle of a contact's stations.
-
-    Empty if the loads are regular.
-    """
-    return stress.worst_states(shown.run.solution, [shown.summary])
-
-
-def worst_run_states(run: Result) -> Indices:
-    """(n,) the same of all contacts together: those of the largest range of all stations."""
-    return stress.worst_states(run.solution, run.contacts)
 
 
 def edge_title(edge: Station) -> str:

@@ -10,6 +10,7 @@ import html
 import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -18,6 +19,7 @@ from fretfe.case import Case
 from fretfe.caution import Caution, Kind, Subject
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.headline import Headline
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.refinement import Refinement
 from fretfe.evaluate.stress import (
@@ -107,6 +109,18 @@ class Result:
             text = f"the mesh is not fine enough for edges.tolerance: {refinement.reason}"
             run = (Caution(Kind.NOT_CONVERGED, Subject(), text),)
         return (*run, *(each for contact in self.contacts for each in contact.warnings))
+
+    @cached_property
+    def headline(self) -> Headline:
+        """The worst place, its numbers and whether to trust them, with the first lines of a run.
+
+        Raises:
+            OutputError: if what sub-models found at an end of a front cannot be read.
+        """
+        # It reads files of results, which stand behind this.
+        from fretfe.results.first_lines import headline_of
+
+        return headline_of(self)
 
     @property
     def solution(self) -> Solution:
@@ -395,7 +409,7 @@ class Result:
         )
 
     def _repr_html_(self) -> str:
-        """A card for notebooks: the lines of `repr`, main numbers with units, and warnings."""
+        """A card for notebooks: lines of `repr`, first lines, main numbers, and warnings."""
         columns = [each for each in (SOLIDS if self.solid else EDGES) if each.name in CARD]
         units = (self.unit(each.kind) for each in columns)
         head = "".join(
@@ -406,7 +420,8 @@ class Result:
             f"<tr>{''.join(f'<td>{_cell(record[each.name])}</td>' for each in columns)}</tr>"
             for record in self.records()
         )
-        title, *lines = (html.escape(line.strip()) for line in repr(self).splitlines())
+        told = *repr(self).splitlines(), *self.headline.sentences.lines
+        title, *lines = (html.escape(line.strip()) for line in told)
         warnings = "".join(f"<br>{html.escape(each.sentence)}" for each in self.warnings)
         table = f"<table><tr>{head}</tr>{rows}</table>" if rows else ""
         return f"<b>{title}</b><br>{'<br>'.join(lines)}{table}<small>{warnings}</small>"

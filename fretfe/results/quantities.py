@@ -268,12 +268,7 @@ EDGES = (
         for each in (SLIP, SLIP_SPREAD, SLIP_FROM, PREDICTED)
         for number in (1, 2)
     ),
-    Column(
-        "gross",
-        "",
-        "whether the whole contact slipped in one of them",
-        lambda _, s: s.slides,
-    ),
+    Column("gross", "", "whether the whole contact slipped in one of them", lambda _, s: s.slides),
     Column(
         "resolved",
         "",
@@ -330,14 +325,7 @@ SOLIDS = (
     CONTACT,
     _last("normal_force"),
     *_last("shear_force").components(AXES),
-    *map(
-        _last,
-        (
-            "contact_area",
-            "stick_area",
-            "largest_pressure",
-        ),
-    ),
+    *map(_last, ("contact_area", "stick_area", "largest_pressure")),
     _last("dissipation", "reported_dissipation"),
     *map(_last, ("dissipation_spread", "local_dissipation", "local_share", "steady")),
     WARNINGS,

@@ -44,7 +44,7 @@ from fretfe.results.run_folder import MARK, with_digest
 from fretfe.results.station_stress import STATION_STRESSES
 from fretfe.results.tables import CYCLES_FILE, NODAL, STATIONS_FILE, write_cycles, write_stations
 
-SCHEMA = {"name": "fretfe-results", "version": 9}
+SCHEMA = {"name": "fretfe-results", "version": 10}
 NUMBERS = "results.json"
 ARRAYS = "results.h5"
 REPORT = "report.html"
@@ -256,6 +256,7 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
             "title": case.title,
             "units": case.units.model_dump(),
             "backend": result.backend,
+            "headline": guarded("first lines", lambda: result.headline, lambda _: None),
             "notes": result.notes,
             "complete": result.failure is None and refined,
             "failure": str(result.failure or ("" if refined else REFINING)),
@@ -290,6 +291,11 @@ def as_numbers(result: Result, lists: dict[str, Array]) -> dict[str, Any]:
         },
         "lists",
     )
+
+
+def plain(value: Any, place: str) -> Any:
+    """A value without long arrays in plain types of JSON."""
+    return _Plain({})(value, place)
 
 
 def _solution_numbers(solution: Solution) -> dict[str, Any]:
@@ -393,7 +399,7 @@ def kept_states(result: Result, solution: Solution) -> Indices:
 def _extremes(contacts: tuple[Contact, ...], cycle: tuple[int, int] | None) -> set[int]:
     """Load extremes of all contacts; of plane ones those of each and of each edge too.
 
-    Besides these the ends of the slip zones of edges that are printed.
+    Besides these the ends of the slip zones of edges that are printed or drawn.
     """
     states = set(load_extremes(contacts, cycle))
     if contacts[0].solid:
@@ -402,6 +408,7 @@ def _extremes(contacts: tuple[Contact, ...], cycle: tuple[int, int] | None) -> s
     for group in (*([station] for station in stations), *(each.stations for each in contacts)):
         states |= set(station_extremes(group, cycle))
     zones = [zone for station in stations for zone in station.slip_zones[-HALF_CYCLES:]]
+    zones += [zone for station in stations if (zone := station.longest_zone) is not None]
     return states | {state for zone in zones for state in (zone.start, zone.end)}
 
 

@@ -15,8 +15,8 @@ from fretfe.case import AnyBody, isotropic
 from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.quality.ends import beside_end
 from fretfe.report.texts import number, rounded
+from fretfe.results.end_answers import beside_end
 from fretfe.results.model import Result
 from fretfe.strength.fit import SAME, LifeFit, Survival, fit_life, is_one
 from fretfe.strength.lives import StrengthTests, read_tests

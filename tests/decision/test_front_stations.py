@@ -20,7 +20,7 @@ from fretfe.decision.field import EdgeField, SmoothStress
 from fretfe.decision.near_field import NearField
 from fretfe.decision.texts import details
 from fretfe.evaluate.contacts import Contact, Station
-from fretfe.quality.ends import Compared, EndAnswer, Meeting
+from fretfe.results.end_answers import Compared, EndAnswer, Meeting
 from fretfe.results.model import Result
 
 NAME = "main.1.start"

@@ -11,7 +11,8 @@ import pytest
 
 from fretfe._typing import Array
 from fretfe.quality.end_rows import Rows
-from fretfe.quality.ends import Compared, Level, Meeting, number_at
+from fretfe.quality.ends import Level, number_at
+from fretfe.results.end_answers import Compared, Meeting
 
 
 def rows(distance: Array, values: Array) -> Rows:

@@ -19,7 +19,7 @@ from fretfe.analytic.partial_slip import hertz_dissipation
 from fretfe.analytic.profiles import Hertz, composite_modulus
 from fretfe.history.solution import OPEN, STICK
 from fretfe.report import theme
-from fretfe.report.figures.edges import _near, _stuck_change
+from fretfe.report.figures.edges import _draw, _near, _stuck_change
 from fretfe.report.figures.history import (
     _middle,
     _tension_varies,
@@ -31,11 +31,13 @@ from fretfe.report.figures.history import (
     work_loop_plots,
 )
 from fretfe.report.figures.tractions import _limits, _status_map, slip_plot
+from fretfe.report.page.tables import edge_answers
 from fretfe.report.source import Shown, shown_contacts
 from fretfe.report.texts import number, percent, with_error
 from fretfe.report.theme import make_plot
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
+from fretfe.results.writer import kept_states
 
 P, Q, FRICTION = 600.0, 60.0, 0.4
 PROFILE = Hertz(50.0, composite_modulus(210e3, 0.3, 210e3, 0.3))
@@ -75,14 +77,51 @@ def test_change_of_the_stuck_contact_is_that_of_the_closed_form(shown: Shown, si
     assert near.range == pytest.approx(2 * Q / (np.pi * np.sqrt(2 * a)), rel=5e-3)
 
 
-def test_states_that_are_compared_are_the_reversals(shown: Shown) -> None:
-    first, last = shown.run.loads.cycle or (0, 0)
-    near = _near(shown, shown.summary.stations[0])
-    assert near is not None
+def test_states_that_are_compared_are_reversals_in_which_the_change_meets_the_bound(
+    shown: Shown,
+) -> None:
+    edge = shown.summary.stations[0]
+    near, zone = _near(shown, edge), edge.longest_zone
+    assert near is not None and zone is not None
     states = [near.earlier, near.later]
-    shear = shown.summary.shear_force
-    assert first <= states[0] < states[1] <= last
-    np.testing.assert_allclose(shear[states], [Q, -Q], rtol=1e-6)
+    np.testing.assert_allclose(np.abs(shown.summary.shear_force[states]), Q, rtol=1e-6)
+    figure = Figure()
+    _draw(figure, shown, near)
+    lines = {str(line.get_label()): np.array(line.get_data()) for line in figure.axes[1].lines}
+    assert lines["d found"][0] == pytest.approx(zone.length)
+    (s, change), (_, bound) = lines["change of q"], lines["friction bound"]
+    slips, sticks = s < 0.8 * zone.length, s > 1.2 * zone.length
+    assert slips.sum() > 3
+    np.testing.assert_allclose(change[slips], bound[slips], rtol=1e-6)
+    assert (change[sticks] < bound[sticks]).all()
+
+
+@pytest.mark.parametrize("which", [-1, -2])
+def test_the_half_cycle_next_to_an_edge_is_that_of_the_first_lines(run: Result, which: int) -> None:
+    """Zones of both half cycles differ where P varies; either may be the longer one."""
+    (contact,) = run.contacts
+    edge = contact.stations[0]
+    zones = list(edge.slip_zones)
+    zones[which] = replace(zones[which], length=1.5 * zones[which].length)
+    edge = replace(edge, slip_zones=tuple(zones), k_range=1.1 * edge.k_range)
+    fronts = (replace(contact.fronts[0], stations=(edge,)), contact.fronts[1])
+    other = replace(run, contacts=(replace(contact, fronts=fronts),))
+    (shown,) = shown_contacts(other)
+    near, worst = _near(shown, edge), other.headline.worst
+    assert near is not None and worst is not None and worst.zone is not None
+    assert worst.name == "main.left"
+    told = worst.zone
+    assert (near.earlier, near.later, zones[which].length) == (told.start, told.end, told.length)
+    marked = [answer[2] for answer in edge_answers(other)]
+    assert [zone.told for zones in marked for zone in zones] == [
+        which == -2,
+        which == -1,
+        False,
+        False,
+    ]
+    few = run.case.output.model_copy(update={"tractions": "extremes"})
+    other = replace(other, case=run.case.model_copy(update={"output": few}))
+    assert {told.start, told.end} <= set(kept_states(other, other.solution).tolist())
 
 
 def test_without_a_cycle_first_loading_is_compared(tmp_path: Path) -> None:

@@ -71,7 +71,7 @@ class Page(HTMLParser):
         table = self.text.split(f"<h3>{heading}")[-1].split("<tbody>")[1].split("</tbody>")[0]
         rows: list[list[str]] = []
         above: list[str] = []
-        for row in table.split("<tr>")[1:]:
+        for row in re.split("<tr[^>]*>", table)[1:]:
             cells = [re.sub("<[^>]*>", "", cell) for cell in re.findall("<t[dh].*?</t[dh]>", row)]
             cells = above[: len(above) - len(cells)] + cells if above else cells
             rows.append(cells)

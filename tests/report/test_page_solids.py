@@ -151,7 +151,7 @@ def test_fronts_are_shown_with_their_verdicts(with_front: Result, tmp_path: Path
     assert "Front 1 of contact main" in page
     row = re.search(r"<td>main front 1</td>(.*?)</tr>", page, flags=re.DOTALL)
     assert row is not None and "10 … 21" in row[1]
-    assert re.search(r"<td>\s*11 at [\d.]+</td>", page)
+    assert re.search(r"<td>\s*11 at [\d.]+ \*</td>", page)
     assert shown.contacts[0].fronts[0].worst is stations[11]
     rows = (tmp_path / "stations.csv").read_text(encoding="utf-8").splitlines()
     assert len(rows) == 13 and rows[0].startswith("contact,front,station,arc,x,y,z,inward_x")

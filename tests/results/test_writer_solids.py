@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import html
 from dataclasses import fields, replace
 from pathlib import Path
 from typing import Any
@@ -172,7 +173,9 @@ def test_records_are_those_of_contacts(result: Result) -> None:
     table = result.to_dataframe()
     assert table["contact"].tolist() == ["main", "quads"]
     assert table["shear_force_x"][0] == result.contacts[0].shear_force[-1, 0]
-    assert "stick_area" in result._repr_html_()
+    card = result._repr_html_()
+    assert "stick_area" in card
+    assert all(html.escape(line) in card for line in result.headline.sentences.lines)
 
 
 def test_a_history_of_a_front_that_is_not_there(result: Result) -> None:

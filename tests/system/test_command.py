@@ -51,7 +51,7 @@ def test_run_prints_edges_and_where_the_results_are(results: Path) -> None:
 
 def test_results_hold_what_the_guide_describes(results: Path) -> None:
     data = json.loads((results / "results.json").read_text())
-    assert data["schema"] == {"name": "fretfe-results", "version": 9}
+    assert data["schema"] == {"name": "fretfe-results", "version": 10}
     assert data["complete"] is True
     steps = len(data["times"])
     contact = data["contacts"]["main"]

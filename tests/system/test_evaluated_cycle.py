@@ -17,7 +17,7 @@ from fretfe.evaluate.contacts import Station
 from fretfe.halfplane.solver import solve_half_planes
 from fretfe.idealise import idealise
 from fretfe.loads import CycleChoice
-from fretfe.report.page.headline import cycle_sentences
+from fretfe.results.first_lines import cycle_sentences
 
 # Hertz: a = √(4 P R/(π E*)), R = 50, P = 600; range of K_T of ±Q: 2 Q/(π √(2 a)).
 HALF_WIDTH = math.sqrt(4 * 600 * 50 * 2 * 0.91 / (math.pi * 210e3))

@@ -15,9 +15,9 @@ from fretfe.cli.exchange import submodel
 from fretfe.errors import CaseError
 from fretfe.exchange.submodel import told, write_submodel
 from fretfe.mesh.load import made_mesh
-from fretfe.quality.ends import read_answers
 from fretfe.report.page.ends import end_tables
 from fretfe.report.page.tables import front_texts
+from fretfe.results.end_answers import read_answers
 from fretfe.results.field_files import DISPLACEMENTS, FieldReader
 from fretfe.results.front_ends import free_ends, worst_end
 from fretfe.results.model import Result

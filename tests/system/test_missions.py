@@ -19,7 +19,6 @@ import fretfe
 from fretfe.case import parse_case
 from fretfe.caution import Kind, grouped
 from fretfe.loads import CycleChoice
-from fretfe.report.page.headline import headline
 from fretfe.report.page.tables import contact_table
 from fretfe.report.texts import number
 from fretfe.results.model import Result
@@ -125,7 +124,7 @@ def test_flanks_that_slide_say_how_far_and_how_long() -> None:
         assert 0.5 <= contact.sliding_share < 0.8
         bound = 0.6 * contact.normal_force.max() * contact.sliding_range
         assert 0.3 * bound < contact.dissipation < bound
-    told = headline(result).sliding
+    told = result.headline.sentences.sliding
     assert told.startswith("Slide as a whole in the cycle: 2 of 2 contacts, farthest ")
     cells = set(contact_table(result).columns[-1].cells)
     assert cells == {number(each.sliding_range, 3) for each in result.contacts}

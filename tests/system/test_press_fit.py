@@ -12,7 +12,6 @@ from fretfe.case import parse_case
 from fretfe.evaluate.withheld import Lack
 from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import Mesh
-from fretfe.report.page.headline import headline
 from fretfe.report.page.html import draw_plots
 from fretfe.report.page.tables import edge_answers, station_table
 from fretfe.report.pictures.looks import plan_pictures
@@ -80,7 +79,7 @@ def test_it_has_the_pressure_of_lame_and_no_edges(fit: fretfe.Result) -> None:
 
 
 def test_its_report_speaks_of_no_edges(fit: fretfe.Result) -> None:
-    found = headline(fit)
+    found = fit.headline.sentences
     assert found.worst.startswith("seat: no edge factors, as both bodies go on behind both ends")
     assert found.agreement == "" == found.half
     assert station_table(fit) is None and edge_answers(fit) == ()

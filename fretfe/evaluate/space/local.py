@@ -112,10 +112,7 @@ class EdgeBodies:
 
 
 def add_local_problems(
-    solution: Solution,
-    contacts: Sequence[Contact],
-    bodies: Mapping[str, AnyBody],
-    share: Share,
+    solution: Solution, contacts: Sequence[Contact], bodies: Mapping[str, AnyBody], share: Share
 ) -> tuple[Contact, ...]:
     """Solve the plane problems of all stations of solids.
 
@@ -130,10 +127,7 @@ def add_local_problems(
     """
     histories = {each.name: each for each in solution.contacts}
     return tuple(
-        replace(
-            each,
-            fronts=_fronts(solution, histories[each.name], each.fronts, bodies, share),
-        )
+        replace(each, fronts=_fronts(solution, histories[each.name], each.fronts, bodies, share))
         for each in contacts
     )
 
@@ -246,7 +240,7 @@ def plane_tractions(
             found.append("its plane problem is not followed in all states of the cycle")
         else:
             rows = [shown.index(each) for each in places]
-            found.append(_whole(solved[1].tractions, rows, carries))
+            found.append(_whole(list(solved[1].tractions.values()), rows, carries))
     return found
 
 
@@ -497,17 +491,22 @@ class _Edge:
             zone if span is None else self._zone(zone, profiles[span])
             for zone, span in zip(self.station.slip_zones, self.spans, strict=True)
         )
-        longest = max((zone.local for zone in zones if zone.local > 0), default=0.0)
+        deepest = max((zone.local for zone in zones if zone.local > 0), default=0.0)
+        station = replace(self.station, slip_zones=zones)
+        told = zip(zones, self.spans, strict=True)
+        span = next((span for zone, span in told if zone is station.longest_zone), None)
         local = LocalProblem(
             half_width=self.shape.half_width,
             power=self.shape.power,
             slip=float(found.profiles[-1].slip.max()),
-            work=found.work * self.shape.round_work(longest),
+            work=found.work * self.shape.round_work(deepest),
             change=found.change,
-            tractions=found.tractions,
+            tractions=tuple(
+                each for place, each in found.tractions.items() if place in (span or ())
+            ),
             reason="",
         )
-        return replace(self.station, slip_zones=zones, local=local)
+        return replace(station, local=local)
 
     def _zone(self, zone: SlipZone, profile: SlipProfile) -> SlipZone:
         """A slip zone with the length by the slip of the plane problem."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.headline import worst_station
 from fretfe.evaluate.resultants import load_extremes
 from fretfe.report.figures.tractions import EXTREMES, draw_lines, finish_lines, name_contact
 from fretfe.report.pictures.surfaces import Sheet, inward_in_plane, lay_out
@@ -49,9 +50,9 @@ def line_across(sheet: Sheet, contact: Contact, state: int) -> Line:
 
     Without one it leads from the facet of the largest pressure of a state across the shorter side.
     """
-    worst = [front.worst for front in contact.fronts if front.worst is not None]
-    if worst:
-        station = max(worst, key=lambda each: each.k_range)
+    worst = worst_station([contact])
+    if worst is not None:
+        station = worst[1]
         start, direction = inward_in_plane(sheet.contact, sheet.plane, station)
         return _crossed(sheet, start, direction, edge_title(station))
     facets = sheet.triangles.triangles

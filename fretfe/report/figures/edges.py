@@ -31,13 +31,11 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, half_cycle_ends
 from fretfe.evaluate.plane.section import plane_front
-from fretfe.evaluate.resultants import station_extremes
 from fretfe.history.solution import Solution
-from fretfe.quality.ends import EndAnswer
 from fretfe.report.figures.history import rows_of, time_panels
 from fretfe.report.page.ends import end_lines
 from fretfe.report.plotting import Axes, Figure, MaxNLocator
-from fretfe.report.source import Shown, edge_title, inward, when
+from fretfe.report.source import Shown, edge_title, when
 from fretfe.report.texts import MISSING, number, with_error
 from fretfe.report.theme import (
     BLUE,
@@ -59,6 +57,7 @@ from fretfe.report.theme import (
     say_if_unknown,
     sparse,
 )
+from fretfe.results.end_answers import EndAnswer
 from fretfe.results.front_ends import find_end, known_numbers
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE, Reported
@@ -68,15 +67,15 @@ DECADES = 4
 # Edges that move by less than this fraction of the half-width stay where they are.
 SMALL_MOVE = 1e-3
 INTRO = (
-    "s is the distance from the edge in the later of two states. All axes are logarithmic, so "
+    "Each edge in the half cycle of its longest slip zone, that of the first lines; s is the "
+    "distance from the edge in the later of its two states. All axes are logarithmic, so "
     "asymptotes are straight lines. Above: the pressure and its asymptote K_N √s. Below, positive "
     "in the sense of ΔK_T: the change of the shear between the two states; the same in full stick, "
     "summed over the steps like K_T, and its asymptote ΔK_T/√s; and the most that friction allows, "
-    "f times the sum of the pressures of both states (for first loading, the pressure of the later "
-    "one). In a contact that slips, the shear does not go like 1/√s: its change follows the line "
-    "of full stick far from the edge and the friction bound in the slip zone, which ends where it "
-    "leaves the bound. An edge that moves between the two has no "
-    "asymptotes nearer than that."
+    "f times the pressure of the later state less the shear of the earlier one. In a contact that "
+    "slips, the shear does not go like 1/√s: its change follows the line of full stick far from "
+    "the edge and the friction bound in the slip zone, which ends where it leaves the bound. An "
+    "edge that moves between the two has no asymptotes nearer than that."
 )
 # Classes of ranges, and of K_T from and to.
 CLASSES = 32
@@ -98,7 +97,7 @@ FRONTS_INTRO = (
     "Stations along the boundary of the contact area, over their distance along it. K_N is that of "
     "the largest P; ΔK_T, ΔK_S and their vector sum |ΔK| are ranges over the evaluated cycle. "
     "Error bars are meant to contain the true value with a probability of 95 %. d is the width of "
-    "the slip zone, inward, in that of the last two half cycles where it is longer at the "
+    "the slip zone, inward, in the half cycle of the cycle where it is longest at the "
     "station: by the plane problem next to each station, "
     "whose error bar is the band around the line; by the formula, from K_N and |ΔK| alone; and by "
     "the slip of the nodes of the solids, where there are enough of them in the zone. Grey: "
@@ -112,8 +111,9 @@ ENDS_INTRO = (
     "difference of the two."
 )
 STATIONS_INTRO = (
-    "The station of each contact where |ΔK|/(f K_N) is largest, ends left out, at the two ends of "
-    "the last half cycle, over the distance from the front as it is then. Lines: the plane problem "
+    "The worst station of each contact, which the first lines tell of the whole run, or the worst "
+    "of those with a plane problem, in the half cycle of its longest slip zone: at the two ends of "
+    "that half cycle, over the distance from the front as it is then. Lines: the plane problem "
     "next to the station. Marks: the nodes of the solids nearest to it, as means over an element "
     "or so, which are too coarse to follow a short slip zone. Above: the pressure. Below: the "
     "shear along the direction in which (K_T, K_S) varies most; dotted: the friction bounds ±f p. "
@@ -133,7 +133,7 @@ class _Near:
 
     Attributes:
         edge: the edge.
-        earlier, later: the two states that are compared.
+        earlier, later: states between which the longest slip zone of the edge arises.
         line: (d - 1,) of ΔK in terms of the shear along the arc and, where bodies move along z, z.
         range: |ΔK|.
         moved: by how much the edge moves between the two.
@@ -166,28 +166,24 @@ def edge_plot(shown: Shown, edge: Station) -> Plot | None:
 
 
 def _near(shown: Shown, edge: Station) -> _Near | None:
-    cycle = shown.run.loads.cycle
-    if cycle is None:
-        friction = np.flatnonzero(shown.tractions.friction.acts)
-        states = [int(friction[0]) - 1, len(edge.k_along) - 1] if len(friction) else []
-    else:
-        states = station_extremes([edge], cycle)
-    if len(states) < 2 or not np.isfinite([edge.position[states[1]], edge.k_n[states[1]]]).all():
+    zone = edge.longest_zone
+    if zone is None or not np.isfinite([edge.position[zone.end], edge.k_n[zone.end]]).all():
         return None
-    change = float(edge.k_along[states[1]] - edge.k_along[states[0]])
+    # What is not known before the first state with friction is nothing.
+    change = float(edge.k_along[zone.end] - np.nan_to_num(edge.k_along[zone.start]))
     size = shown.tractions.slip.shape[2]
     line = np.sign(change) * plane_front(edge.front).axis(edge.direction, size)
-    moved = abs(edge.position[states[1]] - edge.position[states[0]])
+    moved = abs(edge.position[zone.end] - edge.position[zone.start])
     if change == 0.0:
         return None
-    near = _Near(edge, states[0], states[1], line, abs(change), float(np.nan_to_num(moved)))
+    near = _Near(edge, zone.start, zone.end, line, abs(change), float(np.nan_to_num(moved)))
     # A coarse contact may have no node inward of its edge.
     return near if _behind(shown, near)[1].any() else None
 
 
 def _behind(shown: Shown, near: _Near) -> tuple[Array, Bools, float]:
     """Distances of all nodes from the edge, those up to the half-width that count, and that."""
-    s = inward(near.edge) * (shown.tractions.surface.arc - near.edge.position[near.later])
+    s = near.edge.inward * (shown.tractions.surface.arc - near.edge.position[near.later])
     half_width = float(shown.summary.half_width[near.later])
     inside = (s > max(10.0**-DECADES * half_width, _smallest(s))) & (s < half_width)
     return s, inside, half_width
@@ -229,8 +225,7 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
     before, after = (tractions.mean_traction[state, inside] for state in (near.earlier, near.later))
     change = (after[:, 1:] - before[:, 1:]) @ near.line
     friction = tractions.friction.at(near.later, inside)
-    cyclic = shown.run.loads.cycle is not None
-    bound = friction * (after[:, 0] + before[:, 0] * cyclic)
+    bound = friction * after[:, 0] - before[:, 1:] @ near.line
     s = s[inside]
     nodes: Any = {"ms": 4, "lw": 1.2, "color": BLUE, "markevery": sparse(_positive(change))}
     axes.plot(s, _positive(change), ".-", label="change of q", **nodes)
@@ -241,7 +236,7 @@ def _shear(axes: Axes, shown: Shown, near: _Near, s: Array, inside: Bools, line:
         axes.plot(
             s, _positive(stuck[inside] @ near.line), "-.", color=GREEN, label="the same, full stick"
         )
-    if not cyclic or math.isfinite(near.edge.reported_range):
+    if shown.run.loads.cycle is None or math.isfinite(near.edge.reported_range):
         label = "ΔK_T/√s" if len(near.line) == 1 else "ΔK/√s"
         axes.plot(line, near.range / np.sqrt(line), "--", color=VERMILLION, label=label)
     finite = np.concatenate([_positive(change), _positive(bound)])
@@ -274,9 +269,8 @@ def _stuck_change(solution: Solution, shown: Shown, near: _Near) -> Array | None
 
 def _zone_lines(axes: Axes, shown: Shown, near: _Near) -> None:
     """The slip zone that ends at the later state, found and predicted."""
-    zone = next((each for each in near.edge.slip_zones if each.end == near.later), None)
-    if zone is None:
-        return
+    zone = near.edge.longest_zone
+    assert zone is not None
     predicted = near.edge.told_prediction(zone)
     lengths = ((zone.length, "-", "d found"), (predicted, "--", "d predicted"))
     for length, style, label in lengths:
@@ -333,14 +327,8 @@ def _matrix(figure: Figure, axes: Axes, edge: Station) -> None:
     counts, rows, columns = np.histogram2d(
         begin, end, CLASSES, (limits, limits), weights=cycles.count
     )
-    image = axes.pcolormesh(
-        columns,
-        rows,
-        np.ma.masked_equal(counts, 0.0),
-        cmap=f"{COLOURS}_r",
-        vmin=0.0,
-        rasterized=True,
-    )
+    look: Any = {"cmap": f"{COLOURS}_r", "vmin": 0.0, "rasterized": True}
+    image = axes.pcolormesh(columns, rows, np.ma.masked_equal(counts, 0.0), **look)
     axes.plot(limits, limits, color=GREY, lw=0.6)
     worst = end[cycles.worst], begin[cycles.worst]
     (point,) = axes.plot(*worst, "o", mfc="none", color=VERMILLION, ms=8)
@@ -517,37 +505,22 @@ def _lengths(station: Station) -> tuple[float, ...]:
     return (zone.reported_local, zone.local_spread, station.told_prediction(zone), *nodes)
 
 
-def worst_station(contact: Contact) -> tuple[Front, Station] | None:
-    """The station of the largest |ΔK|/(f K_N) not too near an end of its front; None without."""
-    known = [
-        (front, station)
-        for front in contact.fronts
-        for station in front.judged
-        if math.isfinite(station.slip_by_range) and station.local.tractions
-    ]
-    return max(known, key=lambda each: each[1].slip_by_range, default=None)
-
-
 def station_plot(shown: Shown, front: Front, station: Station) -> Plot | None:
-    """Tractions next to a station of solids; None where its last half cycle has none."""
+    """Tractions next to a station of solids; None without its plane problem."""
     ends = half_cycle_ends(shown.tractions, front, station, shown.run.loads.times)
     if not ends:
         return None
-    units, zone = shown.run.case.units, station.slip_zones[-1]
+    units, zone = shown.run.case.units, station.longest_zone
+    assert zone is not None
 
     def draw(figure: Figure) -> None:
         top, bottom = figure.subplots(2, 1, sharex=True)
         draw_half_cycle(top, bottom, ends, station.size, units)
 
-    before = "".join(
-        f" In the half cycle before it is {_by_plane_problem(station, each, units)}."
-        for each in station.slip_zones[-2:-1]
-    )
-    length = _by_plane_problem(station, zone, units)
     caption = (
-        f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone of "
-        f"this half cycle is {length}.{before} An element across the front "
-        f"is {number(station.size, 2)} {units.length}."
+        f"{number(station.arc, 3)} {units.length} along the front. The length of the slip zone is "
+        f"{_by_plane_problem(station, zone, units)}. An element across the front is "
+        f"{number(station.size, 2)} {units.length}."
     )
     title = f"Station {shown.summary.name_of(station)}"
     key = f"{shown.key}-{station.front.replace(' ', '-')}-{station.number}"
@@ -566,7 +539,7 @@ def _by_plane_problem(station: Station, zone: SlipZone, units: Units) -> str:
 def draw_half_cycle(
     top: Axes, bottom: Axes, ends: Sequence[HalfCycleEnd], size: float, units: Units
 ) -> None:
-    """Tractions next to a station at the ends of its last half cycle, nodes as marks.
+    """Tractions next to a station at the ends of a half cycle, nodes as marks.
 
     Args:
         top: for p.
@@ -628,14 +601,5 @@ def _fit_heights(top: Axes, bottom: Axes) -> None:
 def _bars(axes: Axes, front: Front, quantity: Reported, label: str, colour: str) -> None:
     values, spread = np.array([quantity.read(station) for station in front.stations]).T
     shown = np.where(np.isfinite(spread), spread, 0.0)
-    axes.errorbar(
-        front.along("arc"),
-        values,
-        shown,
-        fmt="o-",
-        ms=2.5,
-        lw=1.0,
-        elinewidth=0.7,
-        color=colour,
-        label=label,
-    )
+    look: Any = {"fmt": "o-", "ms": 2.5, "lw": 1.0, "elinewidth": 0.7, "color": colour}
+    axes.errorbar(front.along("arc"), values, shown, label=label, **look)

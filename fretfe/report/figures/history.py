@@ -11,18 +11,14 @@ import numpy as np
 from fretfe._typing import Array, Indices
 from fretfe.case import Case
 from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.headline import shown_stations
 from fretfe.evaluate.resultants import shear_direction, shear_line
+from fretfe.evaluate.stress import worst_states
 from fretfe.history.solution import OPEN, Solution
 from fretfe.history.state_array import blocks
 from fretfe.loads import History
 from fretfe.report.plotting import Axes, Figure
-from fretfe.report.source import (
-    Shown,
-    edge_title,
-    shown_stations,
-    worst_run_states,
-    worst_states,
-)
+from fretfe.report.source import Shown, edge_title
 from fretfe.report.texts import direction_text, number, with_prefix
 from fretfe.report.theme import (
     BLUE,
@@ -222,7 +218,7 @@ def slip_loop_plot(shown: Shown) -> Plot | None:
     """Q over the mean slip of a contact; None if no node stays in contact."""
     first, last = shown.run.loads.evaluated
     solution = shown.run.solution
-    path = worst_states(shown)
+    path = worst_states(shown.run.solution, [shown.summary])
     if len(path) and not solution.keeps(int(path[0]), int(path[-1])):
         # Its first half is in the repetition before the cycle.
         path = path[path >= first]
@@ -292,7 +288,7 @@ def work_loop_plots(run: Result) -> list[Plot]:
     working = np.flatnonzero(scales > NO_WORK * scales.max(initial=0.0))
     areas = [loop_area(forces[:, i], amplitudes[:, i]) for i in working]
     balance = _balance(run, solution, sum(areas))
-    path = worst_run_states(run)
+    path = worst_states(run.solution, run.contacts)
     return [
         _work_loop(run, solution.coordinates[i], int(i), area, balance, path)
         for i, area in zip(working, areas, strict=True)

@@ -109,11 +109,7 @@ def refinement_plot(refinement: Refinement) -> Plot | None:
     def draw(figure: Figure) -> None:
         axes = figure.subplots()
         for values, mark, colour, label in zip(
-            changes.T,
-            ("o-", "s--", "^:"),
-            (BLUE, VERMILLION, GREEN),
-            KINDS,
-            strict=True,
+            changes.T, ("o-", "s--", "^:"), (BLUE, VERMILLION, GREEN), KINDS, strict=True
         ):
             shown = np.where(np.isfinite(values) & (values > 0), values, np.nan)
             axes.plot(unknowns, shown, mark, ms=5, lw=1.0, color=colour, label=label)

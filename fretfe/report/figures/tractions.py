@@ -24,7 +24,7 @@ from fretfe.evaluate.stress import (
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, Solution
 from fretfe.history.state_array import blocks
 from fretfe.report.plotting import Axes, BoundaryNorm, Figure, ListedColormap, Patch
-from fretfe.report.source import Shown, edge_title, inward
+from fretfe.report.source import Shown, edge_title
 from fretfe.report.texts import number, with_error, with_prefix
 from fretfe.report.theme import (
     BLUE,
@@ -500,7 +500,7 @@ def edge_window(shown: Shown, edge: Station, first: int, last: int) -> tuple[flo
     depth = min(max(depth, high - low, NARROWEST * half_width), 2 * half_width)
     if depth == 0:  # no half-width is known
         return _limits(shown, places)
-    below, above = (0.25 * depth, depth)[:: int(inward(edge))]
+    below, above = (0.25 * depth, depth)[:: int(edge.inward)]
     return low - below, high + above
 
 
@@ -547,7 +547,7 @@ def _status_map(axes: Axes, shown: Shown, low: float, high: float, states: tuple
 def _mark_zone(axes: Axes, edge: Station, zone: SlipZone, height: float) -> None:
     """The inner end of a slip zone as found and as predicted."""
     for length, mark in ((zone.length, "o"), (edge.told_prediction(zone), "x")):
-        place = edge.position[zone.end] + inward(edge) * length
+        place = edge.position[zone.end] + edge.inward * length
         (point,) = axes.plot(place, height, mark, mfc="none", color="black", ms=6)
         # Whole at the first and last state too, beyond the frame.
         point.set(clip_on=False, in_layout=False)

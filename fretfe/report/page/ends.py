@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING
 
 from fretfe.mesh.mesh import place_text
 from fretfe.quality.end_rows import NUMBERS
-from fretfe.quality.ends import FITTED, EndAnswer, Meeting, read_answers
+from fretfe.quality.ends import FITTED
 from fretfe.report.texts import MISSING, plain_table, with_error
+from fretfe.results.end_answers import EndAnswer, both_ways, read_answers
 from fretfe.results.model import Result
 
 if TYPE_CHECKING:
@@ -42,16 +43,6 @@ def end_lines(run: Result, answer: EndAnswer) -> Iterator[str]:
         )
     else:
         yield "No station of the run is near enough to that end to be compared."
-
-
-def both_ways(met: Meeting) -> str:
-    """The numbers of a run and of a sub-model at a station, in words."""
-    return ", ".join(
-        f"{symbol} {with_error(each.run, each.run_spread)} and "
-        f"{with_error(each.part, each.part_spread)}"
-        for symbol, each in (("|ΔK|", met.k_range), ("K_N", met.k_n))
-        if math.isfinite(each.run) and math.isfinite(each.part)
-    )
 
 
 def end_tables(run: Result) -> list[Table]:

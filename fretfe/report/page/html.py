@@ -18,13 +18,12 @@ from rich.table import Table
 
 from fretfe.caution import grouped
 from fretfe.errors import CaseError, FretfeError, ModelError
-from fretfe.evaluate.contacts import Contact, Front, Station
+from fretfe.evaluate.contacts import Contact, Front, Station, worst_of
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.faults import Fault, guarded
 from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
 from fretfe.plugins import SECTIONS, plug_ins, what
-from fretfe.quality.ends import read_answers
 from fretfe.quality.rows import Row, own_rows
 from fretfe.report.figures import edges, history, solver, tractions
 from fretfe.report.page.bodies import body_table, pair_table
@@ -43,8 +42,9 @@ from fretfe.report.page.tables import (
 )
 from fretfe.report.pictures.folder import read_pictures
 from fretfe.report.source import Shown, shown_contacts
-from fretfe.report.texts import number, plain_table
+from fretfe.report.texts import number, plain_table, with_error
 from fretfe.report.theme import Plot
+from fretfe.results.end_answers import read_answers
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import REPORT
@@ -251,11 +251,12 @@ def _station_draws(shown: Iterable[Shown], chosen: Sequence[At]) -> list[Draw]:
     """Draws the worst station of each contact, then others, none of them twice."""
     draws: dict[str, Draw] = {}
     for each in shown:
-        worst = edges.worst_station(each.summary)
-        own = [at[1:] for at in chosen if at[0] is each.summary]
-        for front, station in ([worst] if worst else []) + own:
-            name = each.summary.name_of(station)
-            draws[name] = partial(edges.station_plot, each, front, station)
+        fronts, name_of = each.summary.fronts, each.summary.name_of
+        solved = (s for front in fronts for s in front.defined if s.local.tractions)
+        stations = [worst_of(solved), *(at[2] for at in chosen if at[0] is each.summary)]
+        for station in filter(None, stations):
+            front = next(front for front in fronts if front.name == station.front)
+            draws[name_of(station)] = partial(edges.station_plot, each, front, station)
     return list(draws.values())
 
 
@@ -326,6 +327,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
         case=run.case,
         units=run.case.units,
         answers=answers,
+        with_error=with_error,
         ranges=ranges,
         summary=guarded("summary", lambda: summary(run), lambda fault: (fault.text,)),
         contacts=_table("table of contacts", lambda: contact_table(run)),

@@ -17,13 +17,11 @@ from rich.table import Table
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station, reported
 from fretfe.evaluate.edge_tractions import edge_nodes
+from fretfe.evaluate.headline import shown_stations
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import Judgement, judge, longest_verdict
 from fretfe.evaluate.withheld import Lack
-from fretfe.quality.ends import read_answers
 from fretfe.report.page.ends import end_lines
-from fretfe.report.page.headline import headline, is_elsewhere, or_bound, worst_station
-from fretfe.report.source import shown_stations
 from fretfe.report.texts import (
     MISSING,
     marked,
@@ -34,6 +32,8 @@ from fretfe.report.texts import (
     with_error,
     with_prefix,
 )
+from fretfe.results.end_answers import read_answers
+from fretfe.results.first_lines import counted_from, or_bound
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE
 
@@ -72,8 +72,19 @@ def _edge_table(run: Result) -> Table:
     table = plain_table(title, headers, text=2)
     for contact in run.contacts:
         for edge in contact.edges:
-            table.add_row(contact.name, edge.front, *_edge_cells(edge))
+            table.add_row(contact.name, _marked(run, contact, edge, edge.front), *_edge_cells(edge))
     return table
+
+
+def is_worst(run: Result, contact: Contact, station: Station) -> bool:
+    """True for the edge or station of the first lines."""
+    worst = run.headline.worst
+    return worst is not None and worst.name == contact.name_of(station)
+
+
+def _marked(run: Result, contact: Contact, station: Station, name: str) -> str:
+    """The name of an edge or a station in tables, with * if it is that of the first lines."""
+    return f"{name} *" if is_worst(run, contact, station) else name
 
 
 def range_name(run: Result) -> str:
@@ -94,16 +105,9 @@ def _edge_cells(edge: Station) -> list[str]:
         number(edge.position[edge.decisive]),
         marked(number(edge.reported_k_n), edge.uncertain),
         marked(number(edge.reported_range), edge.uncertain_range),
-        (" / ".join(measured) or MISSING) + _counted_from(edge, zones),
+        (" / ".join(measured) or MISSING) + counted_from(edge, zones, "\n"),
         marked(known, edge.uncertain or edge.uncertain_range),
     ]
-
-
-def _counted_from(edge: Station, zones: Sequence[SlipZone]) -> str:
-    """A line with the edge's positions when slip zones end, if the table has it elsewhere."""
-    if not any(is_elsewhere(edge, zone) for zone in zones):
-        return ""
-    return f"\nfrom {' / '.join(number(float(edge.position[zone.end])) for zone in zones)}"
 
 
 def contact_table(run: Result) -> Table:
@@ -316,26 +320,23 @@ def _front_table(run: Result) -> Table:
                 table.add_row("  cannot be followed")
             worst = front.worst
             if worst is not None:
-                table.add_row(f"  {worst.number} at {number(worst.arc, 3)}", *_at(worst))
+                name = f"  {worst.number} at {number(worst.arc, 3)}"
+                table.add_row(_marked(run, contact, worst, name), *_at(worst))
     return table
 
 
 def _along(stations: tuple[Station, ...]) -> tuple[str, ...]:
     """Cells of the range of the numbers of all stations."""
     halves = [
-        [each.slip_zones[half] for each in stations if len(each.slip_zones) >= -half]
+        [(each, each.slip_zones[half]) for each in stations if len(each.slip_zones) >= -half]
         for half in range(-ZONES, 0)
     ]
-    lines = [zones for zones in halves if zones]
-    predicted = [
-        [e.told_prediction(e.slip_zones[half]) for e in stations if len(e.slip_zones) >= -half]
-        for half in range(-ZONES, 0)
-    ]
+    lines = [pairs for pairs in halves if pairs]
     return (
         _known_range([each.reported_k_n for each in stations], digits=4),
         _known_range([each.reported_range for each in stations], digits=3),
-        _lines(_known_range([zone.told[0] for zone in zones], digits=2) for zones in lines),
-        _lines(_known_range(each, digits=2) for each in predicted if each),
+        _lines(_known_range([zone.told[0] for _, zone in each], digits=2) for each in lines),
+        _lines(_known_range([e.told_prediction(z) for e, z in each], digits=2) for each in lines),
     )
 
 
@@ -371,6 +372,7 @@ class ZoneAnswer:
         time: of the half cycle.
         found, predicted, ratio: lengths, and the second over the first.
         judged: verdict on it, with its reason.
+        told: whether it is that of the first lines.
     """
 
     time: str
@@ -378,115 +380,59 @@ class ZoneAnswer:
     predicted: str
     ratio: str
     judged: Judgement
+    told: bool
 
 
-@dataclass(frozen=True)
-class EdgeAnswer:
-    """An edge as text, at the end of the cycle; `zones` are the last ones, or why none is known."""
-
-    contact: str
-    side: str
-    position: str
-    k_n: str
-    k_t_range: str
-    uncertain: bool
-    zones: tuple[ZoneAnswer, ...]
+EdgeAnswer = tuple[Contact, Station, tuple[ZoneAnswer, ...]]
 
 
 def edge_answers(run: Result) -> tuple[EdgeAnswer, ...]:
-    """One answer for each edge of plane contacts."""
+    """The edges of plane contacts with their last slip zones, or why none is known."""
     return tuple(
-        _edge_answer(run, contact, edge)
+        (
+            contact,
+            edge,
+            tuple(_zone_answer(run, contact, edge, zone) for zone in edge.slip_zones[-ZONES:])
+            or (ZoneAnswer(MISSING, MISSING, MISSING, MISSING, longest_verdict(edge), False),),
+        )
         for contact in run.contacts
         if not contact.solid
         for edge in contact.edges
     )
 
 
-def _edge_answer(run: Result, contact: Contact, edge: Station) -> EdgeAnswer:
-    return EdgeAnswer(
-        contact=contact.name,
-        side=edge.front,
-        position=number(float(edge.position[edge.decisive])),
-        k_n=with_error(*K_N.read(edge)),
-        k_t_range=with_error(*K_RANGE.read(edge)),
-        uncertain=edge.uncertain and math.isfinite(edge.reported_k_n),
-        zones=tuple(_zone_answer(run, edge, zone) for zone in edge.slip_zones[-ZONES:])
-        or (ZoneAnswer(MISSING, MISSING, MISSING, MISSING, longest_verdict(edge)),),
-    )
-
-
-def _zone_answer(run: Result, edge: Station, zone: SlipZone) -> ZoneAnswer:
+def _zone_answer(run: Result, contact: Contact, edge: Station, zone: SlipZone) -> ZoneAnswer:
     times = run.loads.times
     length = with_error(zone.reported_length, zone.spread)
     predicted = math.nan if zone.gross else edge.told_prediction(zone)
     ratio = predicted / zone.length if zone.length > 0 else float("nan")
     return ZoneAnswer(
         time=f"{times[zone.start]:g} … {times[zone.end]:g}",
-        found=or_bound(zone, marked(length, zone.uncertain) + _counted_from(edge, [zone])),
+        found=or_bound(zone, marked(length, zone.uncertain) + counted_from(edge, [zone], "\n")),
         predicted=marked(number(predicted, 3), edge.uncertain or edge.uncertain_range),
         ratio=number(ratio, 3),
         judged=judge(edge, zone),
+        told=is_worst(run, contact, edge) and zone is edge.longest_zone,
     )
 
 
 def summary(run: Result) -> tuple[str, ...]:
     """The answer in a few sentences: the first lines, fronts of solids, solution."""
     fronts = front_texts(run) if run.solid else ()
-    return tuple(filter(None, (*headline(run).lines, *fronts, _step_text(run))))
+    return tuple(filter(None, (*run.headline.sentences.lines, *fronts, _step_text(run))))
 
 
 def front_texts(run: Result) -> tuple[str, ...]:
-    """The worst stations of each front of solids, and the ends of open fronts."""
+    """The friction work of fronts of solids that is not told, and the ends of open fronts."""
     named = [(contact, front) for contact in run.contacts for front in contact.fronts]
-    worst = [text for contact, front in named if (text := _worst_text(run, contact, front))]
     ends = (" ".join(end_lines(run, answer)) for answer in read_answers(run))
-    return tuple(filter(None, (*worst, _work_text(run), _end_text(run, named), *ends)))
-
-
-def _worst_text(run: Result, contact: Contact, front: Front) -> str:
-    """The stations of a front that are worst by |ΔK|/(f K_N) and by d; empty without any."""
-    known = [s for s in front.judged if math.isfinite(s.slip_by_range)]
-    zoned = [s for s in front.judged if math.isfinite(_longest(s)[0])]
-    slipping = [s for s in zoned if _longest(s)[0] > 0]
-    steep = max(known, key=lambda s: s.slip_by_range, default=None)
-    long = max(slipping, key=lambda s: _longest(s)[0], default=None)
-    marked = {"|ΔK|/(f K_N) is": steep, "d is": long}
-    if long is steep:
-        marked = {"|ΔK|/(f K_N) and d are": steep}
-    worst = worst_station(run)
-    texts = [
-        f"{what} largest at station {contact.name_of(station)} too"
-        if worst is not None and station is worst[1]
-        else f"{what} largest at {_place(run, contact, station)}: {_factors(run, station)}"
-        for what, station in marked.items()
-        if station is not None
-    ]
-    if zoned and not slipping:
-        texts.append(f"nothing slips at the {len(zoned)} stations where d is known")
-    return f"{contact.name}, {front.name}: {'; '.join(texts)}." if texts else ""
-
-
-def _longest(station: Station) -> tuple[float, float]:
-    """The longer of the last two slip zones of a station with its error bar; NaN if not told."""
-    zone = station.longest_zone
-    return (math.nan, math.nan) if zone is None or zone.gross else zone.told
+    return tuple(filter(None, (_work_text(run), _end_text(run, named), *ends)))
 
 
 def _place(run: Result, contact: Contact, station: Station) -> str:
     point = ", ".join(number(float(x), 3) for x in station.point)
     along = f"{number(station.arc, 3)} {run.case.units.length} along the front"
     return f"station {contact.name_of(station)}, {along} at ({point})"
-
-
-def _factors(run: Result, station: Station) -> str:
-    """K_N, |ΔK| and the longer slip zone of a station, with error bars and units."""
-    k_n, k_range, *_ = _at(station)
-    slip = with_error(*_longest(station))
-    return (
-        f"K_N {k_n} {run.unit('k_n')}, |ΔK| {k_range} {run.unit('k_t')}, "
-        f"d {slip} {run.unit('length')}"
-    )
 
 
 def _work_text(run: Result) -> str:
@@ -554,7 +500,9 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
             f"{run.unit('k_t')}, by radii, elements and steps, at {_place(run, contact, station)}."
         )
     else:
-        contact, front, station = max(ends, key=lambda each: _largest_range(each[1]))
+        contact, front, station = max(
+            ends, key=lambda each: np.nanmax([-1.0, *(s.k_range for s in each[1].judged)])
+        )
     short = [each[2].to_end for each in ends if each[2].lack.kind is Lack.FREE_END]
     if short:
         texts.append(
@@ -567,12 +515,6 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
             "Parts around ends are made of extruded bodies only: no sub-model shows what is nearer."
         )
     return " ".join([*texts, _end_slip(run, contact, front, station)])
-
-
-def _largest_range(front: Front) -> float:
-    """The largest |ΔK| of a front away from its ends; −∞ without any."""
-    ranges = (station.k_range for station in front.judged)
-    return max(filter(math.isfinite, ranges), default=-math.inf)
 
 
 def _end_slip(run: Result, contact: Contact, front: Front, station: Station) -> str:

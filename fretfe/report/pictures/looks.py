@@ -81,8 +81,7 @@ class EdgePlace:
         title: of its panel.
         state: that is shown.
         position: along the arc.
-        slip: length of the longer one of its last two slip zones; 0 if there is none, NaN if that
-            is not known.
+        slip: length of its longest slip zone; 0 if there is none, NaN if that is not known.
         half_width: of the contact.
         gross: whether the whole contact slips in a half cycle.
         overlap: of the surfaces, by interferences of the contact.
@@ -181,13 +180,11 @@ def _edge_places(run: Result) -> list[EdgePlace]:
 
 
 def _longest(edge: Station) -> float:
-    """Length of the longer one of the last two slip zones; NaN if it may hide between nodes."""
-    zones = [zone for zone in edge.slip_zones[-2:] if not zone.gross]
-    longest = float(max((zone.length for zone in zones), default=0.0))
-    unknown = any(zone.hides or zone.unknown for zone in zones)
-    if not zones:
-        unknown = longest_verdict(edge).verdict is not Verdict.NO_ZONE
-    return math.nan if unknown and longest == 0 else longest
+    """Length of the longest slip zone; NaN if it may hide between nodes."""
+    zone = edge.longest_zone
+    if zone is None:
+        return 0.0 if longest_verdict(edge).verdict is Verdict.NO_ZONE else math.nan
+    return math.nan if zone.gross or zone.hides or zone.unknown else zone.length
 
 
 def edges_left_out(run: Result) -> list[str]:

@@ -88,7 +88,7 @@ def draw_fronts(
 ) -> None:
     """Draw fronts where they are in a state; a gap where that is not known."""
     for front in fronts:
-        places = plane.at(contact, _points(front, state))
+        places = plane.at(contact, np.array([each.places[state] for each in front.stations]))
         line = np.vstack([places, places[:1]]) if front.closed else places
         panel.plot(*line.T, path_effects=HALO, zorder=3, **FRONT)
         end = front.along("end").astype(bool)
@@ -98,14 +98,6 @@ def draw_fronts(
         if worst is not None and np.isfinite(places[worst.number]).all():
             panel.plot(*places[worst.number], zorder=3.2, **WORST)
             _name(panel, contact, plane, worst, places[worst.number])
-
-
-def _points(front: Front, state: int) -> Array:
-    """(n, 3) the stations in a state; NaN where they are not known."""
-    place = np.array([station.position[state] for station in front.stations])
-    points = np.array([station.point for station in front.stations])
-    inward = np.array([station.frame.inward for station in front.stations])
-    return np.asarray(points + place[:, None] * inward)
 
 
 def _name(

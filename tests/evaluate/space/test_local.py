@@ -45,7 +45,7 @@ from fretfe.evaluate.verdicts import judge
 from fretfe.history.solution import Solution
 from fretfe.local.problem import solve_batches
 from fretfe.materials.moduli import contact_modulus
-from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot, worst_station
+from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
 from fretfe.report.page.html import draw_plots
 from fretfe.report.page.tables import front_texts
 from fretfe.report.source import shown_contacts
@@ -457,11 +457,28 @@ def test_tractions_next_to_the_edge(ends: tuple[HalfCycleEnd, ...], solid: Resul
     np.testing.assert_allclose(solids.pressure[inside], PEAK * np.sqrt(s * (2 - s)), rtol=0.03)
 
 
+def test_tractions_are_those_of_the_half_cycle_of_the_longest_zone(solid: Result) -> None:
+    """Each half cycle is the longer one somewhere: by round-off, as P is constant."""
+    last = set()
+    for station in stations(solid):
+        zone = station.longest_zone
+        if zone is None or not station.local.tractions:
+            continue
+        last.add(zone is station.slip_zones[-1])
+        begin, end = (each.shear @ station.direction for each in station.local.tractions)
+        assert (
+            np.sign([begin[3], end[3]]).tolist()
+            == np.sign(station.k_along[[zone.start, zone.end]]).tolist()
+        )
+    assert last == {False, True}
+
+
 def worst_plot(result: Result) -> Plot:
     (shown,) = shown_contacts(result)
-    worst = worst_station(shown.summary)
+    (front,) = shown.summary.fronts
+    worst = front.worst
     assert worst is not None
-    plot = station_plot(shown, *worst)
+    plot = station_plot(shown, front, worst)
     assert plot is not None
     return plot
 

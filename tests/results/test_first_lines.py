@@ -3,10 +3,14 @@
 
 from __future__ import annotations
 
+import html
+import json
 import math
+import pickle
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import fields, is_dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,16 +19,19 @@ from cases.stored_runs import solved
 
 from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Front, Station, fronts_of, unknown_station
+from fretfe.evaluate.headline import Sentences, Trust
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.evaluate.withheld import Lack, Withheld, lost_front
-from fretfe.quality.ends import Compared, EndAnswer, Meeting, write_answer
-from fretfe.report.page.headline import headline
+from fretfe.quality.ends import write_answer
 from fretfe.report.page.tables import station_table
 from fretfe.report.texts import number, with_error
+from fretfe.results.end_answers import Compared, EndAnswer, Meeting
 from fretfe.results.front_ends import find_end
 from fretfe.results.model import Result
-from fretfe.results.quantities import K_N
-from fretfe.results.writer import ENDS
+from fretfe.results.quantities import K_N, K_RANGE
+from fretfe.results.reader import load_result
+from fretfe.results.writer import ENDS, write_results
+from fretfe.verdict import Verdict
 
 
 def changed(change: Callable[[Station], Station], **of_contact: object) -> Result:
@@ -34,6 +41,11 @@ def changed(change: Callable[[Station], Station], **of_contact: object) -> Resul
     fronts = fronts_of(change(each) for each in contact.stations)
     other: Contact = replace(contact, fronts=fronts, **of_contact)  # type: ignore[arg-type]
     return replace(result, contacts=(other,))
+
+
+def headline(result: Result) -> Sentences:
+    """The first lines, without what was told before."""
+    return replace(result).headline.sentences
 
 
 def same(station: Station) -> Station:
@@ -262,3 +274,126 @@ def test_what_the_plane_problem_shows_nodes_need_not() -> None:
         return replace(station, slip_zones=tuple(zones))
 
     assert "does not resolve the slip zone" not in headline(changed(local)).trust
+
+
+def cards(result: Result) -> None:
+    """Check that the notebook and the file of a result have its headline, which pickles."""
+    told = result.headline
+    assert pickle.loads(pickle.dumps(told)).sentences == told.sentences
+    card = result._repr_html_()
+    assert all(html.escape(line) in card for line in told.sentences.lines)
+
+
+def numbers(folder: Path, result: Result) -> dict[str, Any]:
+    """The headline in the file of a result."""
+    write_results(folder, result)
+    found: dict[str, Any] = json.loads((folder / "results.json").read_text("utf-8"))["headline"]
+    return found
+
+
+def is_same(written: Any, told: object) -> bool:
+    """True if what was written are the fields of an object: null where a number is not known."""
+    if is_dataclass(told):
+        named = {each.name: getattr(told, each.name) for each in fields(told)}
+        return written.keys() == named.keys() and all(is_same(written[n], named[n]) for n in named)
+    if isinstance(told, tuple):
+        return len(written) == len(told) and all(map(is_same, written, told))
+    return written is None if isinstance(told, float) and math.isnan(told) else written == told
+
+
+@pytest.mark.parametrize("name", ["halfplane", "no cycle", "incomplete"])
+def test_the_headline_is_in_the_file_in_notebooks_and_pickles(name: str, tmp_path: Path) -> None:
+    result = solved(name)
+    written, told = numbers(tmp_path, result), result.headline
+    assert is_same(written, told)
+    cards(result)
+    assert load_result(tmp_path).headline.sentences == told.sentences
+    worst = told.worst
+    assert worst is not None and worst.zone is not None
+    contact, _, station = find(result, worst.name)
+    zone = station.longest_zone
+    assert zone is not None and contact.name_of(station) == worst.name
+    assert (worst.zone.start, worst.zone.end) == (zone.start, zone.end)
+    assert (worst.zone.length, worst.zone.spread) == zone.told
+    assert (worst.k_n, worst.k_n_spread) == K_N.read(station)
+    assert (worst.k_range, worst.k_range_spread) == pytest.approx(
+        K_RANGE.read(station), nan_ok=True
+    )
+    assert worst.place == station.position[worst.state]
+    assert (told.trust is Trust.TRUSTED) == (name == "halfplane") == (told.doubts == ())
+
+
+def find(result: Result, name: str) -> tuple[Contact, Front, Station]:
+    return next(
+        (contact, front, station)
+        for contact in result.contacts
+        for front in contact.fronts
+        for station in front.stations
+        if contact.name_of(station) == name
+    )
+
+
+def test_where_nothing_is_known_the_headline_says_why(tmp_path: Path) -> None:
+    lost = Withheld(Lack.NO_TRACTIONS)
+    result = changed(
+        lambda each: replace(
+            each, k_n=math.nan * each.k_n, k_range=math.nan, lack=lost, slip_zones=()
+        )
+    )
+    told = result.headline
+    assert told.worst is None and told.longest is None and told.trust is Trust.UNKNOWN
+    written = numbers(tmp_path, result)
+    assert written["worst"] is None and written["trust"] == "unknown"
+    assert written["sentences"]["worst"].startswith("No edge has a known K_N or range of K_T")
+    cards(result)
+
+
+def test_of_a_contact_that_slides_the_headline_has_no_length() -> None:
+    result = changed(
+        lambda each: replace(
+            each, slip_zones=tuple(replace(zone, gross=True) for zone in each.slip_zones)
+        )
+    )
+    told = result.headline
+    assert told.worst is not None and told.worst.zone is not None and told.longest is None
+    assert told.worst.zone.gross and math.isnan(told.worst.zone.length)
+    assert told.sentences.longer == "" and told.verdicts == {Verdict.GROSS: 2}
+
+
+def test_a_longer_slip_zone_than_that_of_the_largest_range_is_told() -> None:
+    """As in a sector of a disc, whose edges have other K_N: the criterion is said."""
+
+    def longer(each: Station) -> Station:
+        if each.front == "left":
+            return replace(each, k_range=1.1 * each.k_range)
+        zones = (replace(zone, length=1.3 * zone.length) for zone in each.slip_zones)
+        return replace(each, slip_zones=tuple(zones))
+
+    result = changed(longer)
+    told = result.headline
+    assert told.worst is not None and told.longest is not None and told.worst.zone is not None
+    assert (told.worst.name, told.longest.name) == ("main.left", "main.right")
+    assert told.longest.length == pytest.approx(1.3 * told.worst.zone.length, rel=1e-2)
+    assert told.sentences.longer.startswith(
+        "Worst is the largest ΔK_T; the slip zone is longer at main, right edge, x = "
+    )
+    assert headline(changed(same)).longer == ""
+
+
+def test_sub_models_that_come_later_change_the_headline_in_the_file(tmp_path: Path) -> None:
+    result = straight(mirrored=False)
+    before = numbers(tmp_path, result)
+    result = replace(load_result(tmp_path))
+    end = find_end(result, "main.1.start")
+    assert end is not None
+    worst = end.front.stations[1]
+    k_range = Compared(worst.k_range, worst.k_range_spread, 2 * worst.k_range, 0.1)
+    met = Meeting("main.1.1", 0.375, k_range, Compared(*K_N.read(worst), math.nan, math.nan))
+    none = np.empty(0)
+    found = EndAnswer(end.name, end.point, *6 * (none,), 0.1, 0.01, 0.3, (), meetings=(met,))
+    (tmp_path / ENDS / end.name).mkdir(parents=True)
+    write_answer(result, found, tmp_path / ENDS / end.name)
+    after = json.loads((tmp_path / "results.json").read_text("utf-8"))["headline"]
+    assert after["doubts"] != before["doubts"]
+    assert any(each.startswith("run and sub-model differ there") for each in after["doubts"])
+    assert is_same(after, load_result(tmp_path).headline)

@@ -1,96 +1,111 @@
 # SPDX-License-Identifier: LGPL-3.0-or-later
-"""The first lines of a run, in the terminal and in the report: the worst edge, and its trust."""
+"""The first lines of a run, in the terminal, in the report and in notebooks: `Result.headline`."""
 
 from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
 from fretfe.caution import Kind, Subject, places
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
+from fretfe.evaluate.headline import (
+    SAME,
+    Headline,
+    Sentences,
+    ToldZone,
+    Trust,
+    WorstPlace,
+    larger_half_cycle,
+    longest_zone,
+    worst_station,
+)
+from fretfe.evaluate.stress import worst_counted
 from fretfe.evaluate.verdicts import longest_verdict, withheld
 from fretfe.loads import cycle_words
-from fretfe.quality.ends import Meeting, meeting_at, nearest_range
-from fretfe.report.page.ends import both_ways
-from fretfe.report.source import shown_stations, when
 from fretfe.report.texts import number, percent, with_error
+from fretfe.results.end_answers import Meeting, both_ways, meeting_at, nearest_range
 from fretfe.results.front_ends import end_beside
 from fretfe.results.model import Result
 from fretfe.results.quantities import K_N, K_RANGE, Reported
 from fretfe.verdict import Verdict
 
-# An edge that moves by less than this part of a slip zone is in the same place, and ranges that
-# differ by less are equal.
-SAME = 0.01
 # Largest P over that in the state of K_N from which on both are told.
 FAR_LARGER = 1.5
 
 
-@dataclass(frozen=True)
-class Headline:
-    """The answer of a run in a few sentences; a sentence that has nothing to say is empty.
-
-    Attributes:
-        larger: the largest half cycle of all where the evaluated cycle has none as large.
-        worst: the edge or station of the largest range, where it is, its numbers with their bars,
-            and what they are compared with.
-        trust: whether these can be trusted, and why not.
-        sliding: contacts that slide as a whole, how far, with which work, and for how long.
-        agreement: how many edges or stations agree with what is predicted.
-        cycle: the evaluated cycle.
-        half: contacts of which the model has the half.
-    """
-
-    larger: str
-    worst: str
-    trust: str
-    sliding: str
-    agreement: str
-    cycle: str
-    half: str
-
-    @property
-    def lines(self) -> tuple[str, ...]:
-        """The sentences that there are, the answer first."""
-        first = self.larger, self.worst, self.trust
-        return tuple(filter(None, (*first, self.sliding, self.agreement, self.cycle, self.half)))
+def headline_of(run: Result) -> Headline:
+    """The answer of a run, with its first lines."""
+    edges = [each for contact in run.contacts for each in contact.edges]
+    verdicts = Counter(longest_verdict(each).verdict for each in edges)
+    worst, longest = worst_station(run.contacts), longest_zone(run.contacts)
+    larger = larger_half_cycle(run.contacts)
+    doubts = () if worst is None else tuple(_doubts(run, *worst))
+    return Headline(
+        worst=None if worst is None else _worst(run, *worst),
+        longest=None if longest is None else ToldZone.of(*longest),
+        larger="" if larger is None else larger[0].name_of(larger[1]),
+        trust=Trust.UNKNOWN if worst is None else Trust.DOUBTED if doubts else Trust.TRUSTED,
+        doubts=doubts,
+        verdicts=dict(verdicts),
+        sentences=Sentences(
+            larger="" if larger is None else _larger(run, *larger),
+            worst=_nothing(run) if worst is None else _numbers(run, *worst),
+            longer=_longer(run, longest, worst),
+            trust="" if worst is None else _trust(*worst, doubts),
+            sliding=_sliding(run),
+            agreement=_agreement(run),
+            cycle=cycle_sentences(run),
+            half=_half_model(run),
+        ),
+    )
 
 
-def headline(run: Result) -> Headline:
-    """The first lines of a run."""
-    worst = worst_station(run)
-    if worst is None:
-        text, trust = _nothing(run), ""
-    else:
-        text, trust = _numbers(run, *worst), _trust(run, *worst)
-    rest = _sliding(run), _agreement(run), cycle_sentences(run), _half_model(run)
-    return Headline(_larger(run), text, trust, *rest)
+def _worst(run: Result, contact: Contact, station: Station) -> WorstPlace:
+    zone, state = station.longest_zone, station.decisive % len(run.loads.times)
+    place = station.arc if contact.solid else float(station.position[state])
+    told = None if zone is None else ToldZone.of(contact, station, zone)
+    at = contact.name_of(station), place, state, float(run.loads.times[state])
+    return WorstPlace(*at, *K_N.read(station), *K_RANGE.read(station), told)
 
 
-def _larger(run: Result) -> str:
-    """The largest half cycle of all, in words, if the evaluated cycle has no such; else empty."""
-    known = [
-        (station.largest_range, contact, station)
-        for contact, station in shown_stations(run.contacts)
-        if station.defined and math.isfinite(station.largest_range)
-    ]
-    if not known:
+def _longer(
+    run: Result,
+    longest: tuple[Contact, Station, SlipZone] | None,
+    worst: tuple[Contact, Station] | None,
+) -> str:
+    """The longest slip zone in words, if it is longer than that of the worst place."""
+    own = None if worst is None else worst[1].longest_zone
+    if longest is None or worst is None or own is None or longest[2] is own:
         return ""
-    size, contact, station = max(known, key=lambda each: each[0])
-    if size <= (1 + SAME) * station.equivalent_range and not station.slides:
+    if own.gross or math.isnan(own.told[0]):
         return ""
+    criterion = _range_symbol(*worst) if math.isfinite(worst[1].reported_range) else "K_N"
+    return (
+        f"Worst is the largest {criterion}; the slip zone is longer at "
+        f"{_place(run, *longest[:2])}: {_zone_words(run, *longest[1:])}."
+    )
+
+
+def _zone_words(run: Result, station: Station, zone: SlipZone) -> str:
+    """The longest slip zone of a station beside its prediction, in words."""
+    found = _known(or_bound(zone, with_error(*zone.told)), run.unit("length"))
+    verdict = longest_verdict(station).verdict
+    return f"d {found}{counted_from(station, [zone], ' ')} ({_compared(run, station, verdict)})"
+
+
+def _larger(run: Result, contact: Contact, station: Station) -> str:
+    """The largest half cycle of all, in words."""
     start, end = (run.loads.times[each] for each in (station.largest_start, station.largest_end))
     beyond = run.loads.cycle is not None and not station.first < station.largest_end <= station.last
     return (
         f"Largest half cycle{' without sliding' if station.slides else ' of the history'}"
         f"{', outside of the evaluated cycle' if beyond else ''}: {contact.name_of(station)}, "
         f"t = {start:.6g} to {end:.6g} {run.case.units.time}: "
-        f"equivalent {_shear_symbol(contact, station)} "
-        f"{number(size)} {run.unit('k_t')} by the memory of the edge{_largest_slip(run, station)}."
+        f"equivalent {_shear_symbol(contact, station)} {number(station.largest_range)} "
+        f"{run.unit('k_t')} by the memory of the edge{_largest_slip(run, station)}."
     )
 
 
@@ -102,27 +117,6 @@ def _largest_slip(run: Result, station: Station) -> str:
     told, unit = f"predicted {number(station.largest_slip, 3)}", run.unit("length")
     found = [each for each in zones if each.resolved or math.isfinite(each.reported_local)]
     return f", d {with_error(*found[0].told)} {unit} ({told})" if found else f", d {told} {unit}"
-
-
-def worst_station(run: Result) -> tuple[Contact, Station] | None:
-    """The station of the largest range; of what else is known where no range is."""
-    known = [
-        (contact, station)
-        for contact in run.contacts
-        for front in contact.fronts
-        for station in front.defined
-        if math.isfinite(station.reported_range) or math.isfinite(station.reported_k_n)
-    ]
-    return max(known, key=lambda each: _severity(each[1]), default=None)
-
-
-def _severity(station: Station) -> tuple[float, float]:
-    """The range, then K_N; below zero what is not known."""
-    k_range, k_n = (
-        each if math.isfinite(each) else -1.0
-        for each in (station.reported_range, station.reported_k_n)
-    )
-    return k_range, k_n
 
 
 def _nothing(run: Result) -> str:
@@ -151,14 +145,15 @@ def _without_fronts(run: Result, contact: Contact) -> str:
         f"{number(contact.contact_area[state], 3)} {run.unit('area')} in contact",
         f"largest pressure {number(contact.largest_pressure[state])} {run.unit('stress')}",
     )
+    when = f"t = {run.loads.times[state]:.6g} {run.case.units.time}"
     why = contact.lack.text or "it carries no force at the end of the cycle"
     if not contact.solid:
         why = "both bodies go on behind both ends of its surface"
-    return f"{contact.name}: no edge factors, as {why}. At {when(run, state)} {', '.join(known)}."
+    return f"{contact.name}: no edge factors, as {why}. At {when} {', '.join(known)}."
 
 
 def _numbers(run: Result, contact: Contact, station: Station) -> str:
-    zone, verdict = station.longest_zone, longest_verdict(station).verdict
+    zone = station.longest_zone
     k_n, k_range = (with_error(*each.read(station)) for each in (K_N, K_RANGE))
     time = f"{run.loads.times[station.decisive]:.6g} {run.case.units.time}"
     texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}{_lighter(run, contact, station)}"]
@@ -167,8 +162,7 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     if zone is not None and zone.gross:
         texts.append("the whole contact slides there")
     elif zone is not None:
-        found = _known(or_bound(zone, with_error(*zone.told)), run.unit("length"))
-        texts.append(f"d {found}{_counted_from(station)} ({_compared(run, station, verdict)})")
+        texts.append(_zone_words(run, station, zone))
     end = end_beside(run, station)
     near = "" if end is None else _by_parts(run, contact, station) + nearest_range(run, end)
     worst = "Worst of the fronts that are known" if _lost(run) else "Worst"
@@ -207,12 +201,14 @@ def _by_parts(run: Result, contact: Contact, station: Station) -> str:
     )
 
 
-def _counted_from(station: Station) -> str:
-    """Place of the edge as the longest slip zone ends, if it is reported elsewhere."""
-    zone = station.longest_zone
-    if zone is None or not is_elsewhere(station, zone):
+def counted_from(station: Station, zones: Sequence[SlipZone], before: str) -> str:
+    """Places of the edge as slip zones end, behind a text, if it is reported elsewhere."""
+    here = float(station.position[station.decisive])
+    places = [float(station.position[zone.end]) for zone in zones]
+    lengths = [SAME * zone.reported_length for zone in zones]
+    if not any(abs(each - here) > d for each, d in zip(places, lengths, strict=True)):
         return ""
-    return f" from {number(float(station.position[zone.end]))}"
+    return f"{before}from {' / '.join(map(number, places))}"
 
 
 def or_bound(zone: SlipZone, length: str) -> str:
@@ -221,12 +217,6 @@ def or_bound(zone: SlipZone, length: str) -> str:
         return "gross"
     bounded = zone.length == 0 < zone.spread < math.inf and math.isnan(zone.reported_local)
     return f"< {number(zone.spread, 2)}" if bounded else length
-
-
-def is_elsewhere(station: Station, zone: SlipZone) -> bool:
-    """True if the edge is not where it is reported as a slip zone ends."""
-    then, here = (float(station.position[each]) for each in (zone.end, station.decisive))
-    return abs(then - here) > SAME * zone.reported_length
 
 
 def _shear_symbol(contact: Contact, station: Station) -> str:
@@ -263,8 +253,7 @@ def _place(run: Result, contact: Contact, station: Station) -> str:
     return f"station {name}, {number(station.to_end, 3)} {unit} from the free end {end.name}"
 
 
-def _trust(run: Result, contact: Contact, station: Station) -> str:
-    doubts = list(_doubts(run, contact, station))
+def _trust(contact: Contact, station: Station, doubts: tuple[str, ...]) -> str:
     if not doubts:
         steady = "the cycle is steady, " if contact.steady else ""
         slides = ", but K_T is no measure where all slides" if station.slides else ""
@@ -404,14 +393,10 @@ def cycle_sentences(run: Result) -> str:
 
 def _worst_cycle(run: Result) -> str:
     """The worst counted cycle of all edges or stations; empty if the loads are regular."""
-    found = [
-        (float(cycles.k_t_range[cycles.worst]), contact, edge)
-        for contact, edge in shown_stations(run.contacts)
-        if (cycles := edge.cycles).irregular
-    ]
-    if not found:
+    counted = worst_counted(run.contacts)
+    if counted is None:
         return ""
-    _, contact, edge = max(found, key=lambda each: each[0])
+    contact, edge = counted
     worst, times = edge.cycles.worst, run.loads.times
     ends = sorted(float(times[each[worst]]) for each in (edge.cycles.start, edge.cycles.end))
     start, end = (number(each, 6) for each in ends)
