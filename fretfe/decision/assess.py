@@ -201,11 +201,7 @@ def _name(contact: Contact, station: Station) -> tuple[str, str, int]:
 
 
 def _fronts(
-    result: Result,
-    contact: Contact,
-    bodies: Sequence[str],
-    asked: _Asked,
-    parts: Sequence[EndPart],
+    result: Result, contact: Contact, bodies: Sequence[str], asked: _Asked, parts: Sequence[EndPart]
 ) -> Iterator[EdgeAssessment]:
     """Both bodies at each front of solids."""
     own, margins = [each for each in parts if each.end.contact is contact], asked.margins

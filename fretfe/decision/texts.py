@@ -34,9 +34,7 @@ def _margin_table(found: Assessment) -> Table:
     shown = known_criteria(found)
     headers = ("edge", "body", *(escape(each.value.replace(" ", "\n")) for each in shown))
     table = plain_table(
-        "All margins (>: infinite, but for error bars; ≤: at most)",
-        headers,
-        text=2,
+        "All margins (>: infinite, but for error bars; ≤: at most)", headers, text=2
     )
     table.padding = 0  # All criteria in 80 characters.
     for edge in found.edges:

@@ -545,8 +545,7 @@ class Station(StationHistory):
     def stick_border(
         self,
     ) -> Annotated[
-        float,
-        Quantity("length", "border of permanent stick by both, from the point, inward"),
+        float, Quantity("length", "border of permanent stick by both, from the point, inward")
     ]:
         """Place of the border of permanent stick by the plane problem, as `position`; else NaN.
 
@@ -823,17 +822,14 @@ class Front:
 
 
 def worst_of(stations: Iterable[Station]) -> Station | None:
-    """The station of the largest range, of the largest K_N where none is known; None without.
+    """The station of the largest range, in a cycle or of all; of the largest K_N without any.
 
-    The first one of equal ones.
+    The first one of equal ones; None where nothing is known.
     """
 
-    def severity(station: Station) -> tuple[float, float]:
-        k_range, k_n = (
-            each if math.isfinite(each) else -1.0
-            for each in (station.reported_range, station.reported_k_n)
-        )
-        return k_range, k_n
+    def severity(station: Station) -> list[float]:
+        sizes = station.reported_range, station.largest_range, station.reported_k_n
+        return [each if math.isfinite(each) else -1.0 for each in sizes]
 
     known = [each for each in stations if max(severity(each)) > -1.0]
     return max(known, key=severity, default=None)

@@ -34,7 +34,7 @@ from fretfe.evaluate.edge_slip import (
     follow,
     places_of,
 )
-from fretfe.evaluate.load_path import LoadPath, straight
+from fretfe.evaluate.load_path import LoadPath, filled, straight
 
 # The loads between the steps from one state to another.
 FindPath = Callable[[tuple[int, int]], LoadPath | None]
@@ -155,7 +155,7 @@ class EdgeMemory:
         hold, shear = (refined(each[every]) for each in (station.hold, station.shear))
         # An edge that P lifts off has no place in the end, but had one within the step.
         moved = self.gained - station.hold
-        position, moved = (refined(_filled(each[every])) for each in (station.position, moved))
+        position, moved = (refined(filled(each[every])) for each in (station.position, moved))
         gained = hold + moved
         unit = np.array([*map(self.places.unit_at, gained.tolist())])
         ends = np.ceil(times).astype(np.int64)
@@ -498,11 +498,3 @@ class EdgeMemory:
         slipped = self.slip.front[self.begin : state + 1]
         deepest = float(np.nanmin(slipped)) if np.isfinite(slipped).any() else math.inf
         return front >= deepest - BEHIND * (self.unknown - deepest)
-
-
-def _filled(values: Array) -> Array:
-    """(T,) values of which those that are not known lie between their neighbours."""
-    known = np.flatnonzero(np.isfinite(values))
-    if not len(known):
-        return values
-    return np.asarray(np.interp(np.arange(len(values)), known, values[known]))

@@ -27,6 +27,14 @@ def straight(values: Array, times: Array) -> Array:
     return np.where(after > before, within, values[before])
 
 
+def filled(values: Array) -> Array:
+    """(T,) values of which those that are not known lie between their neighbours."""
+    known = np.flatnonzero(np.isfinite(values))
+    if not len(known):
+        return values
+    return np.asarray(np.interp(np.arange(len(values)), known, values[known]))
+
+
 @dataclass(frozen=True)
 class LoadPath:
     """The loads of a cycle of n steps, at the ends of its steps and at S places within each.

@@ -27,11 +27,7 @@ SMALLEST_PRESSURE = 0.3
 
 
 def average(
-    values: Array,
-    errors: Array,
-    shifts: Array,
-    misfit: Array,
-    interval: ArrayLike,
+    values: Array, errors: Array, shifts: Array, misfit: Array, interval: ArrayLike
 ) -> tuple[Array, Array, Array]:
     """Return means (...), error bars (...) and weights (..., windows, orders - 1).
 

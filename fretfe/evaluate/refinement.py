@@ -221,9 +221,7 @@ def extrapolate(values: Sequence[float]) -> float:
 
 
 def edge_changes(
-    before: Sequence[StationValues],
-    after: Sequence[StationValues],
-    names: Mapping[str, str],
+    before: Sequence[StationValues], after: Sequence[StationValues], names: Mapping[str, str]
 ) -> tuple[Change, ...]:
     """Changes at edges of plane contacts; none unless both passes have the same ones.
 

@@ -4,10 +4,8 @@
 from __future__ import annotations
 
 import math
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from itertools import takewhile
 
 import numpy as np
 
@@ -230,11 +228,10 @@ def _without_steps(border: SlipBorder, misplaced: float) -> tuple[SlipBorder, fl
 
 def _missed(half: HalfCycle, memory: EdgeMemory) -> float:
     """Length by which a zone is longer within steps than it is as they end."""
-    halves, times, told = memory.fine.half_cycles, memory.fine.times, memory.told(half)
-    first = bisect_right(halves, float(half.start), key=lambda each: float(times[each.turn]))
-    meanwhile = takewhile(lambda each: times[each.start] < half.turn, halves[first:])
-    longer = (each.length - told for each in meanwhile if each.way == half.way)
-    return max((each for each in longer if each > 0), default=0.0)
+    times, told = memory.fine.times, memory.told(half)
+    same = (each for each in memory.fine.half_cycles if each.way == half.way)
+    now = (each for each in same if times[each.start] < half.turn and times[each.turn] > half.start)
+    return max((each.length - told for each in now if each.length > told), default=0.0)
 
 
 def _doubted(zone: SlipZone, spread: float, foretold: float) -> SlipZone:

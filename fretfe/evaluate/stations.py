@@ -45,13 +45,7 @@ from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import LoadPath, load_path
 from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
-from fretfe.evaluate.slip import (
-    FindBorder,
-    cycle_states,
-    half_cycles,
-    last_state,
-    zones_of,
-)
+from fretfe.evaluate.slip import FindBorder, cycle_states, half_cycles, last_state, zones_of
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded

@@ -14,14 +14,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.contact.march import LARGEST_MOVE, MOST_PARTS
-from fretfe.evaluate.contacts import (
-    Contact,
-    Front,
-    SlipZone,
-    Station,
-    StationHistory,
-    histories,
-)
+from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station, StationHistory, histories
 from fretfe.faults import guarded
 from fretfe.history.solution import ContactHistory, FullStickUnits, Repeat, Solution
 from fretfe.history.state_array import picked, summed
@@ -194,8 +187,7 @@ class StepEnds:
             friction=contact.friction.picked(ends),
             dissipation=summed(contact.dissipation, ends),
             full_stick=FullStickUnits(
-                picked(units.fields, used),
-                np.where(areas >= 0, np.searchsorted(used, areas), -1),
+                picked(units.fields, used), np.where(areas >= 0, np.searchsorted(used, areas), -1)
             ),
             integrals=integrals,
             node_range=None if contact.node_range is None else contact.node_range[ends],

@@ -153,10 +153,7 @@ class HistoryPair:
         """
         starts = [
             float(times[known][0]) if (known := np.isfinite(values)).any() else math.nan
-            for times, values in (
-                (self.first_times, self.first),
-                (self.second_times, self.second),
-            )
+            for times, values in ((self.first_times, self.first), (self.second_times, self.second))
         ]
         first, second = self._at_equal_times
         if abs(starts[1] - starts[0]) <= SAME_TIME * self.first_times[-1] or not len(first):

@@ -27,14 +27,7 @@ from fretfe.exchange.part_place import (
     require_fields,
     require_one_contact,
 )
-from fretfe.exchange.part_tables import (
-    HISTORY,
-    POSITION,
-    TIME,
-    PartTables,
-    fine_at,
-    finer_tables,
-)
+from fretfe.exchange.part_tables import HISTORY, POSITION, TIME, PartTables, fine_at, finer_tables
 from fretfe.files import disk_reason, replace_text
 from fretfe.mesh.load import made_mesh
 from fretfe.mesh.mesh import Mesh, place_text

@@ -247,9 +247,7 @@ def _cyclic_shear(punch: Punch) -> Benchmark:
         name=f"cyclic shear, {punch.name}",
         source=punch.source,
         case=pad_case(
-            punch.pad,
-            normal=[press(punch.load)],
-            shear=[HOLD, wave(shear_force, steps=STEPS)],
+            punch.pad, normal=[press(punch.load)], shear=[HOLD, wave(shear_force, steps=STEPS)]
         ),
         quantities=tuple(quantities),
     )
@@ -271,9 +269,7 @@ def unlike_bodies() -> Benchmark:
         name="cyclic shear, unlike bodies",
         source="half-planes with the coupling of pressure and shear, of its own, 900 elements",
         case=pad_case(
-            pad,
-            normal=[press(load)],
-            shear=[HOLD, wave(0.3 * FRICTION * load, steps=UNLIKE_STEPS)],
+            pad, normal=[press(load)], shear=[HOLD, wave(0.3 * FRICTION * load, steps=UNLIKE_STEPS)]
         ),
         quantities=(
             *at_both_edges("K_N {}", k_n, k_n[0], factor, measures.slipping_k_n),

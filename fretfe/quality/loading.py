@@ -26,10 +26,7 @@ PUSH = 0.02
 
 
 def relative(
-    name: str,
-    reference: float,
-    measure: Measure,
-    tolerances: dict[str, float],
+    name: str, reference: float, measure: Measure, tolerances: dict[str, float]
 ) -> Quantity:
     """A quantity whose differences are fractions of its known value."""
     return Quantity(name, reference, abs(reference), tolerances, measure)

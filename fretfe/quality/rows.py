@@ -16,14 +16,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate import analyse_tractions
-from fretfe.evaluate.contacts import (
-    LARGEST_SPREAD,
-    Contact,
-    Front,
-    SlipZone,
-    Station,
-    worst_of,
-)
+from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, Front, SlipZone, Station, worst_of
 from fretfe.evaluate.plane.evaluate import NEARLY_ALONG_Z
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.refinement import numbers

@@ -24,14 +24,7 @@ from fretfe.environment import peak_memory
 from fretfe.errors import FretfeError, StoppedError
 from fretfe.faults import Fault, guarded
 from fretfe.files import json_value
-from fretfe.quality.companions import (
-    FINE,
-    FINER,
-    MESHES,
-    Variant,
-    companion_rows,
-    make_variants,
-)
+from fretfe.quality.companions import FINE, FINER, MESHES, Variant, companion_rows, make_variants
 from fretfe.quality.global_run import carried_rows
 from fretfe.quality.rows import EVERYWHERE, Row, hertz_rows, limit_rows, own_rows
 from fretfe.report.texts import rounded

@@ -9,27 +9,12 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
-from fretfe.backends import (
-    SILENT,
-    Backend,
-    Installed,
-    Observer,
-    backend_names,
-    installed_backends,
-)
+from fretfe.backends import SILENT, Backend, Installed, Observer, backend_names, installed_backends
 from fretfe.backends.protocol import DEFAULT
 from fretfe.case import Case
 from fretfe.environment import few_threads
 from fretfe.errors import CaseError, FretfeError
-from fretfe.quality.comparison import (
-    Benchmark,
-    Measure,
-    Quantity,
-    Row,
-    compare,
-    failed,
-    remark,
-)
+from fretfe.quality.comparison import Benchmark, Measure, Quantity, Row, compare, failed, remark
 from fretfe.quality.cycles import (
     FRICTION,
     LAGGING,

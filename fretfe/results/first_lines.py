@@ -256,8 +256,9 @@ def _place(run: Result, contact: Contact, station: Station) -> str:
 def _trust(contact: Contact, station: Station, doubts: tuple[str, ...]) -> str:
     if not doubts:
         steady = "the cycle is steady, " if contact.steady else ""
+        once = " for this history" if station.friction and not contact.steady else ""
         slides = ", but K_T is no measure where all slides" if station.slides else ""
-        return f"To be trusted: {steady}the mesh resolves it, no limit is exceeded{slides}."
+        return f"To be trusted{once}: {steady}the mesh resolves it, no limit is exceeded{slides}."
     return f"Not to be trusted as it stands: {'; '.join(doubts)}."
 
 
@@ -267,7 +268,7 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
         yield f"nothing is known of {places(lost_ones)}, which may be worse"
     if run.failure is not None:
         yield "the run is not complete"
-    elif run.loads.cycle is None and station.friction != 0:
+    elif run.loads.cycle is None and station.friction != 0 and math.isnan(station.largest_range):
         yield "there is no evaluated cycle"
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"

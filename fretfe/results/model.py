@@ -35,11 +35,7 @@ from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
 from fretfe.results.hdf5_file import STRESSES, read_stress
 from fretfe.results.quantities import EDGES, SOLIDS, STATIONS, axis_label, unit
-from fretfe.results.station_stress import (
-    STATION_STRESSES,
-    StationStress,
-    read_station_stress,
-)
+from fretfe.results.station_stress import STATION_STRESSES, StationStress, read_station_stress
 from fretfe.results.tables import (
     edge_records,
     make_dataset,

@@ -18,15 +18,7 @@ from fretfe.files import replacing
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.libraries import started
 from fretfe.loads import History
-from fretfe.results.quantities import (
-    AXES,
-    CYCLES,
-    EDGES,
-    SOLIDS,
-    STATION,
-    STATIONS,
-    Column,
-)
+from fretfe.results.quantities import AXES, CYCLES, EDGES, SOLIDS, STATION, STATIONS, Column
 
 if TYPE_CHECKING:
     import xarray as xr

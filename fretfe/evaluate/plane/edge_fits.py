@@ -127,11 +127,7 @@ def with_areas(
 
 
 def _unlike_fit(
-    contact: ContactHistory,
-    couple: MissingShear,
-    front: PlaneFront,
-    pressure: Array,
-    shear: Array,
+    contact: ContactHistory, couple: MissingShear, front: PlaneFront, pressure: Array, shear: Array
 ) -> EdgeFit:
     """Fit at an edge between unlike bodies, with the exponent by the way the edge slips.
 

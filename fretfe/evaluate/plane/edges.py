@@ -27,12 +27,7 @@ from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
-from fretfe.evaluate.plane.section import (
-    PLANE_FRONTS,
-    PlaneFront,
-    nearest_front,
-    plane_sections,
-)
+from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front, plane_sections
 from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import FindBorder, cycle_states
 from fretfe.evaluate.stations import EdgeData, MovedEdge

@@ -242,12 +242,7 @@ def _border_between(
     size = float(s[place] - s[place - 1])
     if growth is not None:
         border = evened(
-            growth,
-            s,
-            border,
-            lambda stretch: find(alike, slip / stretch),
-            size,
-            deviation,
+            growth, s, border, lambda stretch: find(alike, slip / stretch), size, deviation
         )
     points = degree == 0
     if points and growth is not None and not growth.even and border.length > 0:

@@ -111,12 +111,7 @@ class SpaceView:
         return float(self.half_size[1] / self.half_size[0])
 
 
-def panels(
-    count: int,
-    aspect: float,
-    *,
-    columns: int | None = None,
-) -> tuple[Figure, list[Axes]]:
+def panels(count: int, aspect: float, *, columns: int | None = None) -> tuple[Figure, list[Axes]]:
     """A picture with empty panels, read like a text.
 
     Args:

@@ -54,23 +54,9 @@ from fretfe.report.pictures.panels import (
     show_image,
 )
 from fretfe.report.plotting import Axes, Figure, Normalize, ScalarMappable, mpl
-from fretfe.report.source import (
-    folder_of,
-    loading,
-    state_title,
-    times_text,
-    when,
-)
+from fretfe.report.source import folder_of, loading, state_title, times_text, when
 from fretfe.report.texts import direction_text, number, rounded
-from fretfe.report.theme import (
-    COLOURS,
-    ELEMENTS,
-    FRAMED,
-    HALO,
-    OUTLINE,
-    UNDEFORMED,
-    VERMILLION,
-)
+from fretfe.report.theme import COLOURS, ELEMENTS, FRAMED, HALO, OUTLINE, UNDEFORMED, VERMILLION
 from fretfe.results.field_files import FIELDS
 from fretfe.results.writer import PICTURES
 

@@ -13,13 +13,7 @@ from fretfe._typing import Array
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory
 from fretfe.report.pictures.mesh import NAMES, STATUS, shares_text, visible_status
-from fretfe.report.pictures.panels import (
-    BAR_ASPECT,
-    name_axes,
-    panel_inches,
-    panels,
-    settle,
-)
+from fretfe.report.pictures.panels import BAR_ASPECT, name_axes, panel_inches, panels, settle
 from fretfe.report.pictures.unroll import Unrolled, unroll
 from fretfe.report.plotting import (
     Axes,
@@ -80,11 +74,7 @@ def front_handles(fronts: Sequence[Front]) -> list[Line2D]:
 
 
 def draw_fronts(
-    panel: Axes,
-    contact: ContactHistory,
-    plane: Unrolled,
-    fronts: Sequence[Front],
-    state: int,
+    panel: Axes, contact: ContactHistory, plane: Unrolled, fronts: Sequence[Front], state: int
 ) -> None:
     """Draw fronts where they are in a state; a gap where that is not known."""
     for front in fronts:
