@@ -171,8 +171,7 @@ def _edge_numbers(edge: EdgeAnalysis) -> dict[str, Any]:
 
 
 COMPARE_EXAMPLES = examples(
-    "fretfe compare pad pad_fine",
-    "fretfe compare pad pad_fine -o difference",
+    "fretfe compare pad pad_fine", "fretfe compare pad pad_fine -o difference"
 )
 
 

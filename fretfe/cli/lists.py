@@ -28,8 +28,7 @@ REPORT_EXAMPLES = examples("fretfe report pad")
 
 def backends(
     case: Annotated[
-        Path | None,
-        typer.Argument(metavar="CASE", help="Say which backends can solve this case."),
+        Path | None, typer.Argument(metavar="CASE", help="Say which backends can solve this case.")
     ] = None,
 ) -> None:
     """List the installed backends, and why one cannot be used."""

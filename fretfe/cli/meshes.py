@@ -221,12 +221,7 @@ def _write(case: Case, mesh: Mesh, target: Path) -> None:
 def _print_mesh(console: Console, case: Case, mesh: Mesh) -> None:
     """Print size and quality of the bodies and the contacts, and what may spoil the results."""
     from fretfe.mesh.mesh import mesh_summary
-    from fretfe.surface.checks import (
-        contact_quality,
-        initial_gaps,
-        mesh_warnings,
-        other_sizes,
-    )
+    from fretfe.surface.checks import contact_quality, initial_gaps, mesh_warnings, other_sizes
     from fretfe.surface.unnamed import unnamed_contacts
 
     bodies = mesh_summary(mesh)

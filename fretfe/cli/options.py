@@ -24,8 +24,7 @@ Overrides = Annotated[
 ]
 Backend = Annotated[str, typer.Option(help="halfplane, fem, or one of `fretfe backends`.")]
 Resume = Annotated[
-    bool,
-    typer.Option("--resume", help="Continue the same run in the folder, if there is one."),
+    bool, typer.Option("--resume", help="Continue the same run in the folder, if there is one.")
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print only warnings and errors.")]
 Verbose = Annotated[

@@ -34,8 +34,7 @@ JOINT_EXAMPLES = examples("fretfe joint pad", "fretfe joint pad --csv loops.csv"
 def joint(
     results: Results,
     loops: Annotated[
-        Path | None,
-        typer.Option("--csv", help="File for the loops of force over displacement."),
+        Path | None, typer.Option("--csv", help="File for the loops of force over displacement.")
     ] = None,
     as_json: AsJson = False,
 ) -> None:

@@ -122,11 +122,7 @@ def _remarks(result: Result, contact: Contact, station: Station) -> Iterator[str
 
 
 def _edge(
-    result: Result,
-    label: str,
-    contact: Contact,
-    edge: Station,
-    remarks: list[str],
+    result: Result, label: str, contact: Contact, edge: Station, remarks: list[str]
 ) -> ComponentEdge:
     if not contact.steady:
         remarks.append("the cycle is not steady")

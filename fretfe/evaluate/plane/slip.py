@@ -244,9 +244,12 @@ def _border_between(
         border = evened(
             growth, s, border, lambda stretch: find(alike, slip / stretch), size, deviation
         )
-    points = degree == 0
-    if points and growth is not None and not growth.even and border.length > 0:
-        slip = slip / growth.stretch(s / border.length, deviation / border.length) ** 1.5
+    grown = None if growth is None or growth.even else growth
+    # What slips a little beyond a loop that all but closes is of no shape: fits are in doubt, too.
+    doubted = grown is not None and (grown.nearly_even or border.spread > size / 2)
+    points = degree == 0 and not doubted
+    if points and grown and border.length > 0:
+        slip = slip / grown.stretch(s / border.length, deviation / border.length) ** 1.5
     border = _as_last_nodes(border, s, slip, moved, points=points)
     if degree and border.length > 0:  # few large elements in front of a kink: up to .28 of one off
         border = replace(border, spread=max(border.spread, size / math.sqrt(12)))
@@ -298,15 +301,16 @@ def _as_last_nodes(
 ) -> SlipBorder:
     """The border, or what the last nodes that slip say of it if that is clearly something else.
 
-    Of half-planes, whose slip has no noise, it is always the better number.
+    Of half-planes, whose slip has no noise, it is the better number if fits all but agree.
 
     Slip that passes the border of the slip before it is the sum of two powers of 3/2 that end at
     either border, and few nodes may lie between these. But whatever the slip is like, its border
     lies between the last node that slips and the first that does not: the bar holds all between.
 
     Of one power of 3/2 the line through |slip|^(2/3) at the last two nodes ends x elements behind
-    the last one, the border x^2: in tractions that are linear between the nodes the last one slips
-    by a mean over its support. Half-planes .05 of an element at most, finite elements .25.
+    the last one, the border x^1.9: in tractions that are linear between the nodes the last one
+    slips by a mean over its support. Half-planes .03 of an element, where P moves the edge .1,
+    finite elements .25.
 
     Args:
         border: by fits through more nodes.
@@ -323,12 +327,14 @@ def _as_last_nodes(
     size = float(first - last)
     # A line that ends behind the first node that sticks has a border within it.
     inside = after * (first - outer) < before * size
-    part = (after * (last - outer) / ((before - after) * size)) ** 2 if inside else 0.5
+    part = (after * (last - outer) / ((before - after) * size)) ** 1.9 if inside else 0.5
     other = float(last) + part * size
-    if inside and points and slip[count + 1] <= ROUND_OFF * slip.max():
+    apart = abs(border.length - other)
+    if points and inside and apart < size / 4 and slip[count + 1] <= ROUND_OFF * slip.max():
         # The first nodes know the edge to half an element, over how many share it.
-        return replace(border, length=other, spread=math.hypot(NODAL_ERROR, 0.5 / count) * size)
-    if abs(border.length - other) < math.hypot(border.spread, size / math.sqrt(12)):
+        spread = math.hypot(INTERVAL * NODAL_ERROR * size, size / (2 * count), apart / 2)
+        return replace(border, length=other, spread=spread)
+    if apart < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
     return replace(border, length=other, spread=spread)
