@@ -51,3 +51,17 @@ def test_with_tension_too() -> None:
     assert found[0] == pytest.approx(found[2], rel=5e-3)
     assert found[1] == pytest.approx(found[2], rel=5e-3)
     assert found[0][0] != pytest.approx(found[0][1], rel=0.1)
+
+
+@pytest.mark.parametrize("parts", [1, 5])
+def test_cycles_in_proportion_slip_nowhere(parts: int) -> None:
+    """Nodes that close within a step slip a little: no mesh has to resolve that."""
+    loads = np.array([2, 1, 3, 1, 3]) / 3
+    p = np.interp(np.linspace(0, 4, 4 * parts + 1), range(5), loads)
+    given = problem(p * LOAD, p * LIMIT / 2, frictional_press=True, cycle=2 * parts)
+    for edge in solved(given).stations:
+        assert edge.equivalent_range == pytest.approx(0.0, abs=1e-9)
+        zone = edge.longest_zone
+        assert zone is not None
+        assert (zone.length, zone.resolved) == (0.0, True)
+        assert zone.spread < 0.02

@@ -75,6 +75,24 @@ def test_a_sound_run_is_to_be_trusted() -> None:
     assert found.sliding == found.half == ""
 
 
+@pytest.mark.parametrize("larger", ["left", "right"])
+def test_without_a_cycle_the_largest_half_cycle_counts(larger: str) -> None:
+    def once(station: Station) -> Station:
+        largest = 2.0 if station.front == larger else 1.0
+        lost = {"k_range": math.nan, "equivalent_range": math.nan}
+        return replace(station, largest_range=largest, **lost)
+
+    def without(change: Callable[[Station], Station]) -> Sentences:
+        result = changed(change, steady=False, cycle_change=math.nan)
+        return headline(replace(result, loads=replace(result.loads, cycle=None)))
+
+    found = without(once)
+    assert found.worst.startswith(f"Worst: main, {larger} edge")
+    assert found.trust.startswith("To be trusted for this history: the mesh resolves it")
+    unknown = without(lambda each: replace(once(each), largest_range=math.nan))
+    assert unknown.trust.startswith("Not to be trusted as it stands: there is no evaluated cycle")
+
+
 @pytest.mark.parametrize("count", [1, 2])
 def test_edges_where_nothing_slips_are_not_said_to_agree(count: int) -> None:
     def still(station: Station) -> Station:
