@@ -831,8 +831,7 @@ def worst_of(stations: Iterable[Station]) -> Station | None:
         sizes = station.reported_range, station.largest_range, station.reported_k_n
         return [each if math.isfinite(each) else -1.0 for each in sizes]
 
-    known = [each for each in stations if max(severity(each)) > -1.0]
-    return max(known, key=severity, default=None)
+    return max((e for e in stations if max(severity(e)[::2]) > -1.0), key=severity, default=None)
 
 
 def fronts_of(stations: Iterable[Station]) -> tuple[Front, ...]:

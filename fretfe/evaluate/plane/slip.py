@@ -301,7 +301,7 @@ def _as_last_nodes(
 ) -> SlipBorder:
     """The border, or what the last nodes that slip say of it if that is clearly something else.
 
-    Of half-planes, whose slip has no noise, it is the better number if fits all but agree.
+    Of half-planes, whose slip has no noise, it has the truer bar, if fits are not far from it.
 
     Slip that passes the border of the slip before it is the sum of two powers of 3/2 that end at
     either border, and few nodes may lie between these. But whatever the slip is like, its border
@@ -333,7 +333,8 @@ def _as_last_nodes(
     if points and inside and apart < size / 4 and slip[count + 1] <= ROUND_OFF * slip.max():
         # The first nodes know the edge to half an element, over how many share it.
         spread = math.hypot(INTERVAL * NODAL_ERROR * size, size / (2 * count), apart / 2)
-        return replace(border, length=other, spread=spread)
+        length = border.length if apart < NODAL_ERROR * size else other
+        return replace(border, length=length, spread=spread)
     if apart < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
