@@ -247,7 +247,8 @@ def _border_between(
     grown = None if growth is None or growth.even else growth
     # What slips a little beyond a loop that all but closes is of no shape: fits are in doubt, too.
     doubted = grown is not None and (grown.nearly_even or border.spread > size / 2)
-    points = degree == 0 and not doubted
+    # That of unlike bodies, of which no growth is known, has a shape of its own.
+    points = degree == 0 and growth is not None and not doubted
     if points and grown and border.length > 0:
         slip = slip / grown.stretch(s / border.length, deviation / border.length) ** 1.5
     border = _as_last_nodes(border, s, slip, moved, points=points)
