@@ -37,7 +37,7 @@ from fretfe.evaluate.edge_slip import (
 from fretfe.evaluate.load_path import LoadPath, filled, straight
 
 # The loads between the steps from one state to another.
-FindPath = Callable[[tuple[int, int]], LoadPath | None]
+FindPath = Callable[[tuple[int, int] | None], LoadPath | None]
 
 # Slip that takes less than this part of f H is none: zones of so much of the half-width.
 UNDRIVEN = 1e-5
@@ -131,7 +131,7 @@ class EdgeMemory:
         parts[ends[ends < fine.last]] = 16
         return self._at(fine._divided(parts))
 
-    @property
+    @cached_property
     def _moved(self) -> Array:
         """(T-1,) part of the loads that each step makes, 0 where P does not move the edge."""
         loads = np.array([self.hold[: self.last + 1], self.station.shear[: self.last + 1]])
@@ -425,7 +425,7 @@ class EdgeMemory:
         inside = self.friction[max(start, 1) : end + 1]
         return bool((inside < (1 - BEHIND) * np.maximum.accumulate(inside)).any())
 
-    def misplaced(self, half: HalfCycle) -> float:
+    def misplaced(self, half: HalfCycle, told: float) -> float:
         """Length by which nodes find a zone longer than it is where steps have covered its end.
 
         Nodes close in solved states: what a step shears while it covers places is there as if they
@@ -434,7 +434,7 @@ class EdgeMemory:
         if not half.way or math.isnan(half.length):
             return 0.0
         found = self.of_nodes.between(self.onset(half), half.end, half.way).front
-        return self.length(half.end, found) - self.told(half)
+        return self.length(half.end, found) - told
 
     def told(self, half: HalfCycle) -> float:
         """Length of the zone of a half cycle, as the loads between steps have it."""

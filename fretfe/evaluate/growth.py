@@ -15,6 +15,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -79,7 +80,7 @@ class Growth:
         """True if nothing drives slip but round-off."""
         return not self.rate.any()
 
-    @property
+    @cached_property
     def even(self) -> bool:
         """True if the zone has grown steadily, or there is none."""
         if not self.border > self.edge:
@@ -87,7 +88,7 @@ class Growth:
         stretch = self.stretch(np.linspace(0.0, 0.95, 20))
         return bool(np.ptp(stretch) < EVEN)
 
-    @property
+    @cached_property
     def nearly_even(self) -> bool:
         """True if the zone has grown steadily but for the last loose part of the drive."""
         beyond = np.cumsum(self.rate[::-1])[::-1]

@@ -37,10 +37,10 @@ def filled(values: Array) -> Array:
 
 @dataclass(frozen=True)
 class LoadPath:
-    """The loads of a cycle of n steps, at the ends of its steps and at S places within each.
+    """The loads of n steps, such as those of a cycle, at their ends and at S places within each.
 
     Attributes:
-        first: state in which the cycle begins.
+        first: state in which they begin.
         steps: (n, C) increments of the steps over the range of each load.
         bulges: (n, S, C) deviation from the straight line within each step, over the same.
     """
@@ -51,13 +51,13 @@ class LoadPath:
 
     @property
     def times(self) -> Array:
-        """The instants to the end of the cycle, as of `straight`."""
+        """The instants to the last of the steps, as of `straight`."""
         count, inner, _ = self.bulges.shape
         within = np.arange(count * (inner + 1) + 1) / (inner + 1)
         return np.append(np.arange(self.first), self.first + within)
 
     def at(self, values: Array, times: Array) -> Array:
-        """Values (T,) of all states, to the end of the cycle, at times as of `straight`."""
+        """Values (T,) of all states, to the last of the steps, at times as of `straight`."""
         own = slice(self.first, self.first + len(self.bulges))
         steps, inner = np.diff(values), self.bulges.shape[1]
         if not np.isfinite(steps[own]).all():

@@ -164,8 +164,8 @@ def zones_of(
             zones.append(SlipZone.untold(start, half.turn))
             continue
         border = find_border(start if unlike else memory.onset(half), end)
-        loop = memory.told(half) if memory.doubt(half) <= LEFT_OPEN else math.nan
-        cyclic, foretold = math.nan, loop
+        length, cyclic = memory.told(half), math.nan
+        loop = foretold = length if memory.doubt(half) <= LEFT_OPEN else math.nan
         if unlike:
             (cyclic, loop), foretold = _prediction(cycle, friction[end], end, station), math.nan
         elif half.length == 0 and border.length > border.spread:  # slip that no edge drives
@@ -179,9 +179,9 @@ def zones_of(
         if pressed and border.length > 0:  # what slips depends on where the edge is in the step
             spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
         if not unlike and border.length > 0:
-            border, doubt = _without_steps(border, memory.misplaced(half))
+            border, doubt = _without_steps(border, memory.misplaced(half, length))
             spread = math.hypot(spread, doubt)
-        missed = 0.0 if unlike else _missed(half, memory)
+        missed = 0.0 if unlike else _missed(half, memory.fine, length)
         deepest = (start, end) if unlike or border.gross else half.deepest
         inner = border if deepest[1] == end else find_border(*deepest)
         # Known to a good part of itself, or nothing is there to be known.
@@ -226,10 +226,10 @@ def _without_steps(border: SlipBorder, misplaced: float) -> tuple[SlipBorder, fl
     return replace(border, length=length), MISPLACED * abs(misplaced)
 
 
-def _missed(half: HalfCycle, memory: EdgeMemory) -> float:
+def _missed(half: HalfCycle, fine: EdgeMemory, told: float) -> float:
     """Length by which a zone is longer within steps than it is as they end."""
-    times, told = memory.fine.times, memory.told(half)
-    same = (each for each in memory.fine.half_cycles if each.way == half.way)
+    times = fine.times
+    same = (each for each in fine.half_cycles if each.way == half.way)
     now = (each for each in same if times[each.start] < half.turn and times[each.turn] > half.start)
     return max((each.length - told for each in now if each.length > told), default=0.0)
 

@@ -7,7 +7,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from functools import cache, partial
+from functools import cache, cached_property, partial
 from typing import Any
 
 import numpy as np
@@ -27,7 +27,7 @@ from fretfe.evaluate.contacts import (
 from fretfe.evaluate.cycles import count_cycles
 from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads
-from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.edge_memory import EdgeMemory, FindPath
 from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
     FactorHistories,
@@ -42,7 +42,7 @@ from fretfe.evaluate.friction_behind import FrictionBehind
 from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
-from fretfe.evaluate.load_path import LoadPath, load_path
+from fretfe.evaluate.load_path import load_path
 from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import FindBorder, cycle_states, half_cycles, last_state, zones_of
@@ -200,10 +200,10 @@ class EdgeData(ABC):
         swing = cycle_states(self.steps.swing)
         return swing if np.isfinite(along[swing]).all() else self.cycle
 
-    def path_of(self, states: tuple[int, int] | None) -> LoadPath | None:
-        """The loads between the steps from one state to another, unless they are straight lines."""
-        solution = self.steps.solution
-        return load_path(solution.values, solution.between, states)
+    @cached_property
+    def path_of(self) -> FindPath:
+        """Gives the loads between the steps from a state to another, unless straight lines."""
+        return cache(partial(load_path, self.steps.solution.values, self.steps.solution.between))
 
     def stations(self, told: float | None) -> tuple[Station, ...]:
         """The stations, of unlike bodies at the lengths of their predicted slip zones or another.
