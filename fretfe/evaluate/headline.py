@@ -57,7 +57,7 @@ class ToldZone:
 
 @dataclass(frozen=True)
 class WorstPlace:
-    """The edge or station of the largest range; of the largest K_N where no range is known."""
+    """The edge or station of the largest range, in a cycle or of all, else of the largest K_N."""
 
     name: Annotated[str, Quantity("", "CONTACT.left or CONTACT.right; CONTACT.FRONT.STATION")]
     place: Annotated[float, Quantity("length", "x along the arc, of solids along the front")]

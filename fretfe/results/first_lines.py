@@ -82,7 +82,8 @@ def _longer(
         return ""
     if own.gross or math.isnan(own.told[0]):
         return ""
-    criterion = _range_symbol(*worst) if math.isfinite(worst[1].reported_range) else "K_N"
+    ranges = worst[1].reported_range, worst[1].largest_range
+    criterion = _range_symbol(*worst) if np.isfinite(ranges).any() else "K_N"
     return (
         f"Worst is the largest {criterion}; the slip zone is longer at "
         f"{_place(run, *longest[:2])}: {_zone_words(run, *longest[1:])}."
@@ -195,10 +196,8 @@ def _by_parts(run: Result, contact: Contact, station: Station) -> str:
     if met is None or not met.agrees:
         return ""
     k_n, k_range = (with_error(each.part, each.part_spread) for each in (met.k_n, met.k_range))
-    return (
-        f"; by sub-models there K_N {_known(k_n, run.unit('k_n'))}, |ΔK| {k_range} "
-        f"{run.unit('k_t')}"
-    )
+    unit = run.unit("k_t")
+    return f"; by sub-models there K_N {_known(k_n, run.unit('k_n'))}, |ΔK| {k_range} {unit}"
 
 
 def counted_from(station: Station, zones: Sequence[SlipZone], before: str) -> str:

@@ -43,7 +43,7 @@ ROOM_LINES = {
     "mesh": 5898,
     "quality": 2137,
     "report": 3811,
-    "results": 2061,
+    "results": 2060,
     "strength": 887,
     "surface": 1219,
     "sweeps": 564,

@@ -89,6 +89,14 @@ def test_without_a_cycle_the_largest_half_cycle_counts(larger: str) -> None:
     found = without(once)
     assert found.worst.startswith(f"Worst: main, {larger} edge")
     assert found.trust.startswith("To be trusted for this history: the mesh resolves it")
+    assert found.longer == ""
+
+    def longer(station: Station) -> Station:
+        zones = (replace(zone, length=1.3 * zone.length) for zone in station.slip_zones)
+        once_so = once(station)
+        return once_so if station.front == larger else replace(once_so, slip_zones=tuple(zones))
+
+    assert without(longer).longer.startswith("Worst is the largest ΔK_T; the slip zone is longer")
     unknown = without(lambda each: replace(once(each), largest_range=math.nan))
     assert unknown.trust.startswith("Not to be trusted as it stands: there is no evaluated cycle")
 
