@@ -59,6 +59,39 @@ def along_line(factors: Array, direction: Array) -> Array:
 
 
 @dataclass(frozen=True)
+class Unresolved:
+    """Errors of the range of (K_T, K_S) at an edge by the elements.
+
+    Attributes:
+        misplaced: as its increments add up, each wrong by where the edge is in its step.
+        held: the same if the edge stays where its place is known best.
+        others: those by anything else, but for steps of which one end only is known.
+    """
+
+    misplaced: float
+    held: float
+    others: list[float]
+
+    @classmethod
+    def of(
+        cls, own: Array, growing: Array, shares: Array, cycle: Indices, others: list[float]
+    ) -> Unresolved:
+        """Those of the range of a factor (T,) over a cycle.
+
+        Args:
+            own: the factor.
+            growing: that of which its increments may be wrong by shares.
+            shares: (T,) of increments in each state; NaN where the place is not known.
+            cycle: states.
+            others: as of the class.
+        """
+        best = np.full(len(shares), np.fmin.reduce(shares[cycle], initial=math.nan))
+        sums = [misplaced_sums(growing, each) for each in (shares, best)]
+        misplaced, held = (range_error(own, each, cycle) for each in sums)
+        return cls(misplaced, held, others)
+
+
+@dataclass(frozen=True)
 class FactorHistories:
     """Singular factors of all stations in every state.
 
@@ -104,7 +137,7 @@ class FactorHistories:
         self,
         number: int,
         direction: Array,
-        unresolved: list[float],
+        unresolved: Unresolved,
         states: Indices,
         path: LoadPath | None,
     ) -> RangeSpread:
@@ -113,7 +146,7 @@ class FactorHistories:
         Args:
             number: of the station.
             direction: (2,) of (K_T, K_S).
-            unresolved: errors by the elements, but for steps of which one end only is known.
+            unresolved: errors by the elements.
             states: of the evaluated cycle.
             path: loads of the cycle between its steps, unless they are straight lines.
         """
@@ -122,11 +155,12 @@ class FactorHistories:
         # One way alone has no spread unless it is exact.
         alone = 0.0 if self.exact else math.nan
         moved = [range_error(mean, e[number], states) for e in (self.one_sided, self.uneven)]
+        apart = unresolved.misplaced**2 - unresolved.held**2
         return RangeSpread(
             extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
-            discretisation=float(np.linalg.norm(unresolved)),
+            discretisation=math.hypot(unresolved.held, *unresolved.others),
             steps=excess(mean, path),
-            moved=math.hypot(*moved),
+            moved=math.hypot(*moved, math.sqrt(max(apart, 0.0))),
         )
 
 

@@ -158,8 +158,8 @@ def zones_of(
     zones = []
     for half in halves:
         start, end = half.start, half.turn if unlike else half.end
-        if not np.isfinite(station.position[end]):
-            continue
+        if not (np.isfinite(station.position[end]) and (unlike or memory.hold[end] > 0)):
+            continue  # no contact to tell one of
         if memory.softens(start, half.turn):  # what slips then shows in no factor
             zones.append(SlipZone.untold(start, half.turn))
             continue
@@ -183,14 +183,15 @@ def zones_of(
             spread = math.hypot(spread, doubt)
         missed = 0.0 if unlike else _missed(half, memory.fine, length)
         deepest = (start, end) if unlike or border.gross else half.deepest
-        inner = border if deepest[1] == end else find_border(*deepest)
+        place = float(station.position[deepest[1]])  # not known of a contact of a few nodes
+        inner = find_border(*deepest) if deepest[1] != end and math.isfinite(place) else border
         # Known to a good part of itself, or nothing is there to be known.
         told = border.gross or border.length == 0 or spread <= LARGEST_SPREAD * border.length
         zone = SlipZone(
             start=start,
             end=end,
             length=border.length,
-            border=float(station.position[deepest[1]]) + station.inward * inner.length,
+            border=place + station.inward * inner.length,
             spread=math.hypot(spread, missed),
             resolved=border.resolved and told,
             gross=border.gross,

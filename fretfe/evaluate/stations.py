@@ -31,6 +31,7 @@ from fretfe.evaluate.edge_memory import EdgeMemory, FindPath
 from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
     FactorHistories,
+    Unresolved,
     along_line,
     cycle_range,
     main_direction,
@@ -129,7 +130,7 @@ class EdgeData(ABC):
         """K_N by the movement of an edge."""
 
     @abstractmethod
-    def unresolved(self, number: int, direction: Array) -> list[float]:
+    def unresolved(self, number: int, direction: Array) -> Unresolved:
         """Errors of the range along a direction (2,) by the elements."""
 
     def beside(self, number: int, along: Array, states: Indices) -> float:

@@ -39,8 +39,8 @@ from fretfe.surface.friction import Friction
 ELEMENTS = 300
 # Distance of the reference point of the displacements, in widths of the grid: only a rigid motion.
 FAR = 100.0
-# A spring along x, in units of E*, holds the body while there is no friction; it takes up to about
-# this fraction of Q.
+# Springs, in units of E* and the width of the grid, hold the body along x while there is no
+# friction, and upright on a single node; they take up to about this fraction of Q and M.
 SPRING = 1e-9
 # Forces on body 1 along these coordinates are Q, -P and -M.
 MOMENT = "moment"
@@ -96,8 +96,8 @@ class HalfPlaneOutcome:
 def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
     """The interface problem of two half-planes on given nodes; body 1 moves as a whole."""
     weights, x = hats.weights, hats.nodes
-    roots, size = np.sqrt(weights), len(x)
-    far = FAR * (hats.grid[-1] - hats.grid[0])
+    roots, size, width = np.sqrt(weights), len(x), float(hats.grid[-1] - hats.grid[0])
+    far, spring = FAR * width, SPRING * problem.profile.e_star
     scaled = hats.compliance(far) / np.outer(roots, roots) / problem.profile.e_star
     coupling = hats.coupling() / np.outer(roots, roots) * problem.dundurs / problem.profile.e_star
     compliance = np.zeros((size, 2, size, 2))
@@ -120,7 +120,7 @@ def build_interface(problem: HalfPlaneProblem, hats: HatFunctions) -> Interface:
         compliance=DenseCompliance(matrix),
         gap=gap.ravel(),
         motion=motion.reshape(2 * size, 3),
-        stiffness=np.diag([SPRING * problem.profile.e_star / problem.tangential, 0.0, 0.0]),
+        stiffness=np.diag([spring / problem.tangential, 0.0, spring * width**2]),
         loads=tension.reshape(2 * size, 1),
         coordinate_loads=np.zeros((3, 1)),
         roots=roots,

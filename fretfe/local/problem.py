@@ -76,10 +76,11 @@ class EdgeHistories:
 
     Attributes:
         contacts: symmetric contacts of half-planes that stand for the edges.
-        k: (S, T, 2) K_T and K_S; zero up to the first state that counts.
+        k: (S, T, 2) K_T and K_S; constant up to the first state that counts.
         k_i: (S, T) K_I, counted from the reference state; constant up to that state. Between unlike
             bodies K_T and K_I are those of full stick at the length of twice the half-width, over
             cosh(pi epsilon): what P and Q make of half-planes without rotation.
+        locked: (S, 2) shear over the pressure in that state.
         direction: (S, 2) unit vectors along which slip is told forward from backward.
         zone: (S,) length of the smallest slip zone that is to be resolved.
         halves: (S,) half cycles of each edge, as their first and last states in time order.
@@ -97,6 +98,7 @@ class EdgeHistories:
     contacts: Contacts
     k: Array
     k_i: Array
+    locked: Array
     direction: Array
     zone: Array
     halves: tuple[tuple[tuple[int, int], ...], ...]
@@ -148,6 +150,7 @@ class EdgeHistories:
             ),
             k=self.k[edges],
             k_i=self.k_i[edges],
+            locked=self.locked[edges],
             direction=self.direction[edges],
             zone=self.zone[edges],
             halves=tuple(self.halves[edge] for edge in edges),
@@ -192,14 +195,14 @@ class EdgeSlip:
     """The solution next to an edge.
 
     Attributes:
-        profiles: of the half cycles.
+        profiles: of the half cycles, by their numbers; those up to where the contact slides.
         tractions: by the states that are shown, in their order.
         work: friction work in the cycle that repeats itself, or in all steps, per unit length.
         change: of the shear over the last cycle, over the swing of the force; NaN without one.
-        reason: why there is no solution, in words; empty if there is.
+        reason: why there is no solution in all states, in words; empty if there is.
     """
 
-    profiles: tuple[SlipProfile, ...]
+    profiles: Mapping[int, SlipProfile]
     tractions: Mapping[int, Tractions]
     work: float
     change: float
@@ -328,7 +331,6 @@ class _March:
         self._shapes = pressure_shapes(histories.contacts.power)
         self._outermost = histories.outermost
         edges, nodes = len(histories.k), len(bodies.s)
-        self._shear = np.zeros((edges, nodes, 2))
         self._bound, self._pressure = np.zeros((2, edges, nodes))
         self._pressed: Pressed | None = None
         self._edges = np.zeros(edges)
@@ -339,6 +341,8 @@ class _March:
         # Which edges are given up changes on the way.
         self._limit = Bound(histories.coefficients(bodies.s), self._lost)
         self._reasons = np.full(edges, SLIDES, dtype=object)
+        pressure = self._pressed_by(self._widths(1, 0.0))
+        self._shear = histories.locked[:, None] * pressure[..., None]
         self._drift, self._swing = self._drifts()
         self._profiles: list[dict[int, SlipProfile]] = [{} for _ in histories.halves]
         self._tractions: list[dict[int, Tractions]] = [{} for _ in histories.halves]
@@ -384,6 +388,11 @@ class _March:
         k_i = self._given.k_i
         return self._given.contacts.widths((1 - share) * k_i[:, state - 1] + share * k_i[:, state])
 
+    def _pressed_by(self, width: Array) -> Array:
+        """(S, n) pressure at half-widths, without what shear between unlike bodies adds."""
+        level = self._given.contacts.level(width) / self._given.modulus
+        return self._bodies.pressure(self._shapes, width / self._outermost) * level[:, None]
+
     def _load(self, state: int, begin: float, end: float) -> Array:
         """(S, 2) shear force that a part of a step adds, with E* = 1 and half-width 1."""
         contacts, middle = self._given.contacts, self._widths(state, (begin + end) / 2)
@@ -400,7 +409,8 @@ class _March:
         for part in range(parts):
             self._part(state, part / parts, (part + 1) / parts)
         for edge, number in calendar.ends[state]:
-            self._profiles[edge][number] = self._profile(edge, state)
+            if not self._lost[edge]:
+                self._profiles[edge][number] = self._profile(edge, state)
         for edge, shown in calendar.show[state]:
             self._tractions[edge][shown] = self._now(edge, state)
 
@@ -413,8 +423,7 @@ class _March:
         if self._lost.all():
             return
         width = self._widths(state, end)
-        level = self._given.contacts.level(width) / given.modulus
-        pressure = bodies.pressure(self._shapes, width / self._outermost) * level[:, None]
+        pressure = self._pressed_by(width)
         bounds = (self._limit.friction * pressure).max(axis=1)
         tolerance = TOLERANCE * float(bounds[~self._lost].max())
         if isinstance(bodies, WholeHalfPlanes):
@@ -423,7 +432,7 @@ class _March:
                 given.dundurs,
                 self._shapes,
                 given.contacts.power,
-                level,
+                given.contacts.level(width) / given.modulus,
                 width / self._outermost,
             )
             pressure, solved = self._coupled(contacts, pressure, stuck, tolerance)
@@ -491,9 +500,10 @@ class _March:
 
     def _solution(self, edge: int, change: float) -> EdgeSlip:
         if self._lost[edge]:
-            return EdgeSlip((), {}, math.nan, math.nan, str(self._reasons[edge]))
+            # In a cycle that repeats itself no half cycle comes before the sliding.
+            known = {} if self._given.cycle else self._profiles[edge]
+            return EdgeSlip(known, {}, math.nan, math.nan, str(self._reasons[edge]))
         tractions = dict(sorted(self._tractions[edge].items()))
         scale = float(self._given.modulus[edge] * self._outermost[edge] ** 2)
         work = float(self._work[edge]) * scale
-        profiles = tuple(self._profiles[edge][number] for number in sorted(self._profiles[edge]))
-        return EdgeSlip(profiles, tractions, work, float(change))
+        return EdgeSlip(self._profiles[edge], tractions, work, float(change))

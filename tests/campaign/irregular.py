@@ -159,6 +159,10 @@ def _counterpart(zone: SlipZone, times: Array, station: Station, finer: Array) -
 
 def _exact(one: IrregularDraw, times: Array, loads: Array, ends: Array) -> float:
     """Slip-zone length between two times, from the edge at the second one."""
+    # Zones may end at instants within steps: loads are straight lines there.
+    ends = np.round(ends, 9)
+    finer = np.unique(np.append(np.round(times, 9), ends))
+    times, loads = finer, np.array([np.interp(finer, times, each) for each in loads.T]).T
     f, top = one.friction, one.peak * (1 + 1e-9)
     level = (np.arange(LEVELS) + 0.5) * top / LEVELS
     share, d_level = np.zeros(LEVELS), top / LEVELS
@@ -190,7 +194,7 @@ def _exact(one: IrregularDraw, times: Array, loads: Array, ends: Array) -> float
                     level[border] - d_level / 2 - d_level * min(abs(rest / d_level) / (2 * f), 1)
                 )
                 farthest[way], latest = min(farthest[way], inner), way
-    last = loads[np.argmin(np.abs(times - ends[1])), 0]
+    last = loads[np.searchsorted(times, ends[1]), 0]
     stick = farthest[latest]  # slip the other way is that of loops in between
     if not np.isfinite(stick):
         return 0.0

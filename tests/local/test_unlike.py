@@ -39,6 +39,7 @@ def edges(
         contacts=Contacts(*(each * np.ones(count) for each in (HALF_WIDTH, K_N, 2.0))),
         k=k[..., None] * direction[:, None],
         k_i=0 * k,
+        locked=np.zeros((len(k), 2)),
         direction=direction,
         zone=np.full(count, 0.05),
         halves=(halves,) * count,
@@ -57,7 +58,7 @@ def lengths(found: EdgeSlip) -> list[float]:
     assert not found.reason
     borders = [
         slip_border(each.s, each.slip, each.slip > FAINT * each.slip.max())
-        for each in found.profiles
+        for each in found.profiles.values()
     ]
     assert all(border.resolved for border in borders)
     return [border.length for border in borders]
@@ -90,7 +91,7 @@ def test_slip_zones_are_those_of_half_planes(beta: float, friction: float) -> No
 def test_no_beta_is_the_limit() -> None:
     loads = shear(0.5)[None]
     (similar,), (nearly,) = (edges(beta, 0.5, loads) for beta in (0.0, 1e-10))
-    for one, other in zip(similar.profiles, nearly.profiles, strict=True):
+    for one, other in zip(similar.profiles.values(), nearly.profiles.values(), strict=True):
         # Of unlike bodies the middle of the contact has a node of its own.
         inner = np.interp(other.s, one.s, one.slip)
         np.testing.assert_allclose(other.slip, inner, atol=1e-8 * one.slip.max())

@@ -191,6 +191,7 @@ def plane_problem(result: Result, poisson: float, side: int) -> float:
         contacts=Contacts(result.contacts[0].half_width[-1:], station.k_n[-1:], 2 * ones),
         k=np.concatenate([start, k])[None],
         k_i=np.zeros((1, end + 1)),
+        locked=np.zeros((1, 2)),
         direction=np.array([[np.cos(angle), np.sin(angle)]]),
         zone=zone.length * ones,
         halves=(((zone.start - states[0] + 1, zone.end - states[0] + 1),),),
@@ -203,7 +204,7 @@ def plane_problem(result: Result, poisson: float, side: int) -> float:
     )
     (found,) = solve_edges(histories)
     assert not found.reason
-    profile = found.profiles[-1]
+    profile = found.profiles[0]
     moved = profile.slip > 3e-4 * profile.slip.max()
     return slip_border(profile.s, profile.slip, moved).length
 

@@ -16,6 +16,7 @@ from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.factors import (
     SMALLEST_MOVE,
     FactorHistories,
+    Unresolved,
     along_line,
     cycle_range,
     misplaced_sums,
@@ -131,7 +132,7 @@ class PlaneEdges(EdgeData):
             last[states] = np.where(traction[states, :, 0] > 0, places, -np.inf).max(axis=1)
         return np.abs(np.nan_to_num(last - outward * self.fits[number].position, neginf=0.0))
 
-    def unresolved(self, number: int, direction: Array) -> list[float]:
+    def unresolved(self, number: int, direction: Array) -> Unresolved:
         """Errors of the range along a direction (2,) by the elements."""
         return self._unresolved[number]
 
@@ -167,7 +168,7 @@ class PlaneEdges(EdgeData):
         return max(missed, proportional, 2 * first - abs(float(along[begin] - along[states[0]])))
 
     @cached_property
-    def _unresolved(self) -> list[list[float]]:
+    def _unresolved(self) -> list[Unresolved]:
         """Those of both edges along their own directions: one counts by the range of the other."""
         return unresolved(self.factors, self.fits, self.contact.surface.arc, self.cycle)
 
@@ -335,7 +336,7 @@ def _growth_behind(
 
 def unresolved(
     histories: FactorHistories, fits: Sequence[EdgeFit], arc: Array, cycle: Indices
-) -> list[list[float]]:
+) -> list[Unresolved]:
     """Errors of the range of (K_T, K_S) over a cycle by elements, for each station.
 
     They are what integral and fits differ by, and what it means that a discrete contact area ends
@@ -353,18 +354,19 @@ def unresolved(
     mean = [*map(along_line, histories.ways.mean(axis=0), directions)]
     ranges = [cycle_range(each, cycle) for each in mean]
     shares = _misplaced(fits, arc, WITHIN_GRID if histories.exact else WITHIN_ELEMENT)
-    parts = [
-        [range_error(own, misplaced_sums(mean[int(np.argmax(ranges))], share), cycle)]
-        for own, share in zip(mean, shares, strict=True)
-    ]
+    others: list[list[float]] = [[] for _ in mean]
     if histories.fitted is not None:
-        for own, known, line, fitted in zip(
-            parts, ranges, directions, histories.fitted, strict=True
+        for apart, known, line, fitted in zip(
+            others, ranges, directions, histories.fitted, strict=True
         ):
             found = cycle_range(along_line(fitted, line), cycle)
             # Where there are too few nodes for fits, integrals stand alone.
-            own.append(found - known if np.isfinite(found) else 0.0)
-    return parts
+            apart.append(found - known if np.isfinite(found) else 0.0)
+    growing = mean[int(np.argmax(ranges))]
+    return [
+        Unresolved.of(own, growing, share, cycle, other)
+        for own, share, other in zip(mean, shares, others, strict=True)
+    ]
 
 
 def _misplaced(fits: Sequence[EdgeFit], arc: Array, elements: float) -> Array:

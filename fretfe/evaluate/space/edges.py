@@ -12,6 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import NO_NUMBER, Frame, SlipZone, Station
+from fretfe.evaluate.factors import Unresolved
 from fretfe.evaluate.friction_behind import FrictionBehind, straight_inward
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
@@ -85,7 +86,7 @@ class FrontEdges(EdgeData):
         """K_N by the movement of the front."""
         return self.moves[number]
 
-    def unresolved(self, number: int, direction: Array) -> list[float]:
+    def unresolved(self, number: int, direction: Array) -> Unresolved:
         """Errors of the range along a direction (2,) by the elements."""
         track = self.track
         return unresolved(self.factors, track.front, track.fit, number, direction, self.cycle)

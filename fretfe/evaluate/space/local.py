@@ -27,7 +27,7 @@ from fretfe.evaluate.cycles import same_cycles
 from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.factors import whole_factor
 from fretfe.evaluate.loaded import loaded, normal_force
-from fretfe.evaluate.plane.slip import INTERVAL, slip_border
+from fretfe.evaluate.plane.slip import INTERVAL, UNSEEN, slip_border
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.local.half_planes import Contacts, work_share
@@ -227,16 +227,13 @@ def plane_tractions(
         The tractions of each, zero without contact, or the reason why they are not known.
     """
     path, carries = _Path.of(solution, contact), loaded(normal_force(contact))[states]
-    places = [
-        path.places.get(each, path.places.get(int(path.source[each]), -1))
-        for each in states[carries]
-    ]
+    places = [path.place(each) for each in states[carries].tolist()]
     shown = tuple(sorted(set(places)))
     found: list[PlaneTractions | str] = []
     for solved in _solved(path, bodies, stations, solve_batches, shown):
         if isinstance(solved, str) or solved[1].reason:
             found.append(solved if isinstance(solved, str) else solved[1].reason)
-        elif shown[0] < max(solved[0].first, 1):
+        elif shown[0] < max(solved[0].loads.first, 1):
             found.append("its plane problem is not followed in all states of the cycle")
         else:
             rows = [shown.index(each) for each in places]
@@ -332,6 +329,10 @@ class _Path:
         """Places of the kept states among themselves, by state."""
         return {state: place for place, state in enumerate(self.kept.tolist())}
 
+    def place(self, state: int) -> int:
+        """Place of a state or of one that it repeats; -1 if it is not on the way."""
+        return self.places.get(state, self.places.get(int(self.source[state]), -1))
+
     def span(self, zone: SlipZone, first: int) -> tuple[int, int] | None:
         """Places of the ends of a half cycle, or of one that it repeats; None if not on the way."""
         places = self.places
@@ -352,8 +353,9 @@ def _histories(
             k_n=np.array([each.k_n for each in shapes]),
             power=np.array([each.power for each in shapes]),
         ),
-        k=np.array([each.k for each in edges]),
-        k_i=np.array([each.k_i for each in edges]),
+        k=np.array([each.loads.k for each in edges]),
+        k_i=np.array([each.loads.k_i for each in edges]),
+        locked=np.array([each.loads.locked for each in edges]),
         direction=np.array([each.station.direction for each in edges]),
         zone=np.array([each.smallest for each in edges]),
         halves=tuple(each.halves for each in edges),
@@ -438,6 +440,62 @@ class _Shape:
 
 
 @dataclass(frozen=True)
+class _Loads:
+    """What loads the plane problem of a station in the n states that are gone through.
+
+    From a state without contact to the first one that is followed K_T and K_S grow in proportion to
+    K_I, and what sticks then carries as much shear over its pressure. Where there is no such state
+    nothing acts before, and what they have reached is a first step: the end of a steady cycle
+    depends on that little.
+
+    Attributes:
+        k, k_i: (n, 2) and (n,), constant up to the first one.
+        locked: (2,) shear over the pressure there.
+        first: place of that state.
+    """
+
+    k: Array
+    k_i: Array
+    locked: Array
+    first: int
+
+    @classmethod
+    def of(cls, path: _Path, station: Station, shape: _Shape, dundurs: float) -> _Loads:
+        """Those as early as the factors are known."""
+        kept = path.kept
+        k_t, k_i = _loading(station, dundurs, shape.half_width)
+        k = np.column_stack([k_t, station.k_s, k_i - k_i[station.last]])[kept]
+        grown = 1 + 3 * k[:, 2] / (shape.k_n * shape.half_width)
+        states = np.arange(len(kept))
+        lost = ~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5))
+        if path.cycle is None:
+            # Behind the last half cycle that is told all stays as it was, whatever opens then.
+            ends = [path.place(each.end) for each in station.slip_zones if not each.unknown]
+            told = states <= max((at for at in ends if at >= 0 and not lost[at]), default=-1)
+            k, lost = k[np.maximum.accumulate(np.where(told, states, 0))], lost & told
+        first = max(int(np.flatnonzero(lost)[-1]) + 1 if lost.any() else 0, path.first)
+        if first > path.begin:
+            return cls(k[:, :2], k[:, 2], np.zeros(2), first)
+        locked, reached = np.zeros(2), np.zeros(2)
+        apart = path.first + np.flatnonzero(station.hold[kept][path.first : first] <= 0)
+        *pulled, pressed = k[first] - k[apart[-1]] if len(apart) else np.zeros(3)
+        if pressed > 0 and np.isfinite(pulled).all() and not dundurs:
+            locked, reached = np.array(pulled) / pressed, k[first, :2]
+            locked *= station.friction / max(station.friction, float(np.hypot(*locked)))
+        begun = states < max(first, 1)
+        k_i = np.where(states < first, k[first, 2], k[:, 2])
+        return cls(np.where(begun[:, None], reached, k[:, :2]), k_i, locked, first)
+
+    def late(self, begin: int) -> _Loads:
+        """The same from a cycle on, K_T and K_S counted from the middle of their ranges in it."""
+        cycle, states = self.k[begin:], np.arange(len(self.k))
+        k = self.k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
+        k = np.where(states[:, None] < max(begin, 1), 0.0, k)
+        k_i = np.where(states < begin, self.k_i[begin], self.k_i)
+        return _Loads(k, k_i, np.zeros(2), begin)
+
+
+@dataclass(frozen=True)
 class _Edge:
     """The plane problem of a station.
 
@@ -445,21 +503,18 @@ class _Edge:
         station: it.
         bodies: next to it.
         shape: of its contact.
-        k, k_i: (n, 2) and (n,) in the states that are gone through.
+        loads: on it in the states that are gone through.
         counted: (n,) whether slip in the step to each of them counts.
         spans: the half cycles of its slip zones by places of these states; None for those that are
             not followed.
-        first: place of the state from which on it is followed.
     """
 
     station: Station
     bodies: EdgeBodies
     shape: _Shape
-    k: Array
-    k_i: Array
+    loads: _Loads
     counted: Bools
     spans: tuple[tuple[int, int] | None, ...]
-    first: int
 
     @property
     def behind(self) -> Array | None:
@@ -477,18 +532,18 @@ class _Edge:
     @property
     def smallest(self) -> float:
         """Length of the smallest slip zone that is expected."""
-        swing = float(np.ptp(self.k @ self.station.direction))
+        swing = float(np.ptp(self.loads.k @ self.station.direction))
         expected = swing / (self.station.friction * self.shape.k_n)
         lengths = (zone.prediction for zone in self.station.slip_zones)
         return min((each for each in lengths if each > 0), default=expected)
 
     def solved(self, found: EdgeSlip) -> Station:
         """The station with what was found."""
-        if found.reason:
+        if not found.profiles:
             return replace(self.station, local=no_local_problem(found.reason))
-        profiles = dict(zip(self.halves, found.profiles, strict=True))
+        profiles = {self.halves[number]: each for number, each in found.profiles.items()}
         zones = tuple(
-            zone if span is None else self._zone(zone, profiles[span])
+            self._zone(zone, profiles[span]) if span in profiles else zone
             for zone, span in zip(self.station.slip_zones, self.spans, strict=True)
         )
         deepest = max((zone.local for zone in zones if zone.local > 0), default=0.0)
@@ -498,7 +553,7 @@ class _Edge:
         local = LocalProblem(
             half_width=self.shape.half_width,
             power=self.shape.power,
-            slip=float(found.profiles[-1].slip.max()),
+            slip=float(profiles[max(profiles)].slip.max()),
             work=found.work * self.shape.round_work(deepest),
             change=found.change,
             tractions=tuple(
@@ -514,13 +569,15 @@ class _Edge:
         if not slips.any():
             return replace(zone, local=0.0, local_spread=float(profile.s[1]))
         border = slip_border(profile.s, profile.slip, slips)
-        if border.gross or not border.resolved:
+        if border.gross:
             return zone
+        # Where slip, which has no noise, does not fall evenly its border is known to an element.
+        own = border.spread / (1.0 if border.resolved else UNSEEN)
         station, length = self.station, border.length
         first_order = zone.predicted if math.isfinite(zone.predicted) else length
         open_part = self.shape.bar(length, first_order, station.range_error)
         unlike = UNLIKE * self.station.friction * self.bodies.coupling * length
-        spread = math.hypot(border.spread, zone.missed, open_part, unlike)
+        spread = math.hypot(own, zone.missed, open_part, unlike)
         return replace(zone, local=length, local_spread=spread)
 
 
@@ -558,9 +615,6 @@ def _pose(
 ) -> _Edge | str:
     """The plane problem of a station, or the reason why there is none.
 
-    Nothing acts before the first state that is followed: what K_T and K_S have reached there is a
-    first step. The end of a steady cycle depends on that little.
-
     Args:
         path: through the states.
         pair: the bodies.
@@ -578,30 +632,15 @@ def _pose(
     if path.cycle and len(small):
         step = path.step_of(int(small[0]))
         return f"the contact is too small in step {step} for factors that are good enough"
-    k_t, k_i = _loading(station, dundurs, shape.half_width)
-    k = np.column_stack([k_t, station.k_s])[kept]
-    k_i = k_i[kept] - k_i[station.last]
-    grown = 1 + 3 * k_i / (shape.k_n * shape.half_width)
-    states = np.arange(len(kept))
-    lost = ~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5))
-    if path.cycle is None:
-        # Behind the last half cycle that is told all stays as it was: what opens then is no matter.
-        told = kept <= max(
-            (each.end for each in station.slip_zones if not each.unknown), default=-1
-        )
-        before, lost = np.maximum.accumulate(np.where(told, states, 0)), lost & told
-        k, k_i = k[before], k_i[before]
-    first = max(int(np.flatnonzero(lost)[-1]) + 1 if lost.any() else 0, path.first)
-    if first > path.begin:
+    loads = _Loads.of(path, station, shape, dundurs)
+    if loads.first > path.begin:
         return (
             "K_T, K_S or K_I are unknown, or the contact nearly opens, as late as in state "
-            f"{int(kept[first - 1])}"
+            f"{int(kept[loads.first - 1])}"
         )
-    if late:
-        first, cycle = path.begin, k[path.begin :]
-        k = k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
+    loads = loads.late(path.begin) if late else loads
     spans = tuple(
-        None if zone.gross or zone.unknown else path.span(zone, first)
+        None if zone.gross or zone.unknown else path.span(zone, loads.first)
         for zone in station.slip_zones
     )
     if not any(spans):
@@ -617,11 +656,9 @@ def _pose(
         station=station,
         bodies=EdgeBodies.of(pair, station.frame),
         shape=shape,
-        k=np.where(states[:, None] < max(first, 1), 0.0, k),
-        k_i=np.where(states < first, k_i[first], k_i),
-        counted=(states > first) & counted[kept],
+        loads=loads,
+        counted=(np.arange(len(kept)) > loads.first) & counted[kept],
         spans=spans,
-        first=first,
     )
 
 

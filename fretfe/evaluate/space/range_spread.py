@@ -11,10 +11,9 @@ from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import NEAR_FREE_END
 from fretfe.evaluate.factors import (
     FactorHistories,
+    Unresolved,
     cycle_range,
     main_direction,
-    misplaced_sums,
-    range_error,
 )
 from fretfe.evaluate.space.fronts import SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
@@ -52,7 +51,7 @@ def unresolved(
     station: int,
     direction: Array,
     cycle: Indices,
-) -> list[float]:
+) -> Unresolved:
     """Errors of the range of (K_T, K_S) along a direction by elements.
 
     As in the plane a discrete contact area ends somewhere within an element, which counts by the
@@ -84,12 +83,12 @@ def unresolved(
     width = min(front.depth[station], np.median(front.depth), radius)
     growing = mean[int(np.argmax(np.nan_to_num(sizes)))]
     growing = growing @ main_direction(growing, cycle)[0]
-    sums = misplaced_sums(growing, _misplaced(front, fit, station, width))
-    misplaced = range_error(histories[station] @ direction, sums, cycle)
+    shares = _misplaced(front, fit, station, width)
     layers = front.sectors[station].along_size / float(front.frames.to_free_end[station])
     near = NEAR_FREE_END * layers**2 * float(abs(swing[station]))
     along = _bent(swing, front, station), _beside(swing, front, station)
-    return [misplaced, cramped, near if math.isfinite(near) else 0.0, *along]
+    others = [cramped, near if math.isfinite(near) else 0.0, *along]
+    return Unresolved.of(histories[station] @ direction, growing, shares, cycle, others)
 
 
 def _misplaced(front: SpaceFront, fit: FrontFit, station: int, width: float) -> Array:
