@@ -13,16 +13,14 @@ from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from fretfe._typing import Array, Indices
-from fretfe.analytic._numerics import check_positive
 from fretfe.analytic.paths import rainflow
 from fretfe.evaluate.contacts import ROUND_OFF, CountedCycles, StationHistory, no_cycles
 from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.numerics import most_loaded
-from fretfe.history.solution import Solution
-from fretfe.history.state_array import StateArray, blocks
+from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import CycleChoice
 from fretfe.surface.friction import Friction
 
@@ -127,38 +125,29 @@ def _slip(start: int, end: int, memory: EdgeMemory | None) -> float:
     return found[0].length if found and found[0].start < end else 0.0
 
 
-def cycle_changes(
-    solution: Solution,
-    traction: StateArray | NDArray[np.float64],
-    friction: Friction,
-    weights: Array,
-) -> list[float]:
+def cycle_changes(solution: Solution, contact: ContactHistory) -> list[float]:
     """Largest changes of the shear over cycles, relative to f p_max of the evaluated one.
 
     Args:
         solution: the solved history.
-        traction: (T, N, d) of a contact, the pressure first.
-        friction: of it.
-        weights: (N,) of its nodes.
+        contact: one of its contacts.
 
     Returns:
         That of the evaluated cycle, and those of a few cycles before it under the same loads, the
         latest first; NaN alone if there is no cycle, pressure or friction.
     """
+    friction, solid = contact.friction, contact.surface.facets is not None
+    traction = contact.mean_traction if solid else contact.traction
     cycles = same_cycles(solution, friction)
     if not cycles:
         return [math.nan]
     states = np.arange(cycles[0][0], cycles[0][1] + 1)
-    forces = [
-        traction[states[part], :, 0] @ weights for part in blocks(len(states), traction[0].size)
-    ]
-    state = int(states[most_loaded(np.concatenate(forces), np.arange(len(states)))])
-    pressure = traction[state][:, 0]
-    largest, bound = float(pressure.max()), float((friction.at(state) * pressure).max())
+    state = int(states[most_loaded(normal_force(contact)[states], np.arange(len(states)))])
+    bound = float((friction.at(state) * traction[state][:, 0]).max())
     if bound <= 0:
         return [math.nan]
     return [
-        cycle_change(traction[end][:, 1:], traction[begin][:, 1:], bound / largest, largest)
+        float(np.abs(traction[end][:, 1:] - traction[begin][:, 1:]).max()) / bound
         for begin, end in cycles[:MOST_CYCLES]
     ]
 
@@ -241,19 +230,3 @@ def unsteady_text(
         f"{found}; add about {count} {cycles}{where}: the change falls by a factor of "
         f"{1 / factor:.2g} from one to the next"
     )
-
-
-def cycle_change(q: Array, q_previous: Array, friction: float, p_max: float) -> float:
-    """Return the largest change of q between the same states of two cycles, relative to f p_max.
-
-    Args:
-        q: (..., n) shear in one cycle.
-        q_previous: (..., n) shear in the cycle before.
-        friction: coefficient f.
-        p_max: largest pressure.
-
-    Raises:
-        ValueError: if ``friction`` or ``p_max`` is not positive.
-    """
-    bound = check_positive("friction", friction) * check_positive("p_max", p_max)
-    return float(np.max(np.abs(q - q_previous)) / bound)

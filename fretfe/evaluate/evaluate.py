@@ -129,12 +129,7 @@ def _evaluate_contact(
     solid = contact.surface.facets is not None
     warnings: Iterable[Caution]
     share, reach = whole_sliding(solution, contact)
-    changes = cycle_changes(
-        solution,
-        contact.mean_traction if solid else contact.traction,
-        contact.friction,
-        contact.surface.weights,
-    )
+    changes = cycle_changes(solution, contact)
     if solid:
         from fretfe.evaluate.space.evaluate import evaluate_solids
 

@@ -59,39 +59,6 @@ def along_line(factors: Array, direction: Array) -> Array:
 
 
 @dataclass(frozen=True)
-class Unresolved:
-    """Errors of the range of (K_T, K_S) at an edge by the elements.
-
-    Attributes:
-        misplaced: as its increments add up, each wrong by where the edge is in its step.
-        held: the same if the edge stays where its place is known best.
-        others: those by anything else, but for steps of which one end only is known.
-    """
-
-    misplaced: float
-    held: float
-    others: list[float]
-
-    @classmethod
-    def of(
-        cls, own: Array, growing: Array, shares: Array, cycle: Indices, others: list[float]
-    ) -> Unresolved:
-        """Those of the range of a factor (T,) over a cycle.
-
-        Args:
-            own: the factor.
-            growing: that of which its increments may be wrong by shares.
-            shares: (T,) of increments in each state; NaN where the place is not known.
-            cycle: states.
-            others: as of the class.
-        """
-        best = np.full(len(shares), np.fmin.reduce(shares[cycle], initial=math.nan))
-        sums = [misplaced_sums(growing, each) for each in (shares, best)]
-        misplaced, held = (range_error(own, each, cycle) for each in sums)
-        return cls(misplaced, held, others)
-
-
-@dataclass(frozen=True)
 class FactorHistories:
     """Singular factors of all stations in every state.
 
@@ -137,7 +104,7 @@ class FactorHistories:
         self,
         number: int,
         direction: Array,
-        unresolved: Unresolved,
+        unresolved: list[float],
         states: Indices,
         path: LoadPath | None,
     ) -> RangeSpread:
@@ -146,7 +113,7 @@ class FactorHistories:
         Args:
             number: of the station.
             direction: (2,) of (K_T, K_S).
-            unresolved: errors by the elements.
+            unresolved: errors by the elements, of which the first two are of `misplaced_range`.
             states: of the evaluated cycle.
             path: loads of the cycle between its steps, unless they are straight lines.
         """
@@ -155,12 +122,12 @@ class FactorHistories:
         # One way alone has no spread unless it is exact.
         alone = 0.0 if self.exact else math.nan
         moved = [range_error(mean, e[number], states) for e in (self.one_sided, self.uneven)]
-        apart = unresolved.misplaced**2 - unresolved.held**2
+        held, apart, *others = unresolved
         return RangeSpread(
             extraction=float(np.ptp(ranges)) / 2 if len(ranges) > 1 else alone,
-            discretisation=math.hypot(unresolved.held, *unresolved.others),
+            discretisation=math.hypot(held, *others),
             steps=excess(mean, path),
-            moved=math.hypot(*moved, math.sqrt(max(apart, 0.0))),
+            moved=math.hypot(*moved, apart),
         )
 
 
@@ -179,6 +146,26 @@ def range_error(history: Array, error: Array, states: Indices) -> float:
     """
     ranges = [cycle_range(history + sign * error, states) for sign in (-1.0, 0.0, 1.0)]
     return max(ranges) - ranges[1] if len(states) else 0.0
+
+
+def misplaced_range(
+    own: Array, growing: Array, shares: Array, cycle: Indices
+) -> tuple[float, float]:
+    """Errors of the range of a factor (T,) over a cycle where its edge is misplaced.
+
+    Of the edge as it is where its place is known best, and what that adds up to beyond in steps in
+    other places.
+
+    Args:
+        own: the factor.
+        growing: that of which its increments may be wrong by shares.
+        shares: (T,) of increments in each state; NaN where the place is not known.
+        cycle: states.
+    """
+    best = np.full(len(shares), np.fmin.reduce(shares[cycle], initial=math.nan))
+    sums = [misplaced_sums(growing, each) for each in (best, shares)]
+    held, whole = (range_error(own, each, cycle) for each in sums)
+    return held, math.sqrt(max(whole**2 - held**2, 0.0))
 
 
 def misplaced_sums(history: Array, shares: Array) -> Array:

@@ -31,7 +31,6 @@ from fretfe.evaluate.edge_memory import EdgeMemory, FindPath
 from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
     FactorHistories,
-    Unresolved,
     along_line,
     cycle_range,
     main_direction,
@@ -44,13 +43,17 @@ from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import load_path
-from fretfe.evaluate.loaded import decisive_state
+from fretfe.evaluate.loaded import decisive_state, left_out
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import FindBorder, cycle_states, half_cycles, last_state, zones_of
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import Factor
+
+# Part of its largest hold up to which an edge between bodies with elements counts as parted: with
+# less, what sums of increments miss of the shear would be all that friction takes.
+VANISHING = 0.05
 
 
 @dataclass(frozen=True)
@@ -121,6 +124,10 @@ class EdgeData(ABC):
     def size(self, number: int) -> float:
         """Length of an element at an edge."""
 
+    def closed(self, number: int) -> bool:
+        """True if the front of an edge closes around the contact."""
+        return False
+
     @abstractmethod
     def friction_behind(self, number: int) -> FrictionBehind:
         """Coefficient behind an edge in the state `last`."""
@@ -130,12 +137,8 @@ class EdgeData(ABC):
         """K_N by the movement of an edge."""
 
     @abstractmethod
-    def unresolved(self, number: int, direction: Array) -> Unresolved:
+    def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
-
-    def beside(self, number: int, along: Array, states: Indices) -> float:
-        """Range of a factor (T,) over states that may lie in others, in which there is no edge."""
-        return 0.0
 
     @abstractmethod
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
@@ -286,8 +289,8 @@ class EdgeData(ABC):
         unresolved = self.unresolved(number, direction)
         path = self.path_of(self.steps.solution.cycle)
         spread = self.factors.range_spread(number, direction, unresolved, states, path)
-        beside, layer = self.beside(number, along.k_t, states), self.layer(number).range_error
-        spread = replace(spread, layer=layer * swing, beside=beside)
+        beside = left_out(self.steps.whole.cycle, states, self.force) * swing
+        spread = replace(spread, layer=self.layer(number).range_error * swing, beside=beside)
         point, frame = self.place(number, history.decisive)
         fits, fitted = self.factors.fitted, math.nan
         if fits is not None:
@@ -359,8 +362,8 @@ class EdgeData(ABC):
         """Loads of an edge, with its K (T,) along a direction (2,)."""
         width = float(self.half_widths[number])
         moved = history.inward * (history.position - history.position[self.last])
-        # That of a cylinder whose contact is as wide as this one.
-        least = history.k_n * (width - np.nan_to_num(moved)) / 4
+        # That of a cylinder, or a sphere, whose contact is as wide as this one.
+        least = history.k_n * (width - np.nan_to_num(moved)) / (6 if self.closed(number) else 4)
         if self.steps.dundurs:
             most = 4 * float(np.nanmax(least, initial=0.0))
             return unlike_loads(history.k_i, along, self.steps.touching, most)
@@ -373,7 +376,9 @@ class EdgeData(ABC):
         # While a contact slides its edge moves by what slides: increments of full stick miss that.
         short = np.where(np.isfinite(least), least / found.unit - found.hold, 0.0)
         lift = max(float(short[most_loaded(self.force, np.arange(self.last + 1))]), 0.0)
-        return replace(found, hold=np.where(touching, found.hold + lift, found.hold))
+        hold = np.where(touching, found.hold + lift, found.hold)
+        vanishes = hold <= VANISHING * np.nanmax(hold, initial=0.0)
+        return replace(found, hold=np.where(vanishes, 0.0, hold))
 
     def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
         """Largest half cycles of the evaluated cycle, and of the whole history."""

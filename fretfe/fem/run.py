@@ -503,10 +503,7 @@ def _cycles(count: float) -> str:
 def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> bool:
     """True if the last cycle is steady, or more of them would not make it so."""
     solution = recorder.solution(cycles.solved(recorder.steps_done), {})
-    changes = [
-        cycle_changes(solution, contact.mean_traction, contact.friction, contact.surface.weights)
-        for contact in solution.contacts
-    ]
+    changes = [cycle_changes(solution, contact) for contact in solution.contacts]
     if not may_become_steady(changes):
         return True
     worst = max(each[0] for each in changes)

@@ -142,23 +142,14 @@ class EdgeHistories:
 
     def of(self, edges: Indices) -> EdgeHistories:
         """The same for some edges."""
-        contacts = self.contacts
+        own = ("k", "k_i", "locked", "direction", "zone", "counted", "friction", "modulus")
+        contacts = (each[edges] for each in vars(self.contacts).values())
         return replace(
             self,
-            contacts=Contacts(
-                contacts.half_width[edges], contacts.k_n[edges], contacts.power[edges]
-            ),
-            k=self.k[edges],
-            k_i=self.k_i[edges],
-            locked=self.locked[edges],
-            direction=self.direction[edges],
-            zone=self.zone[edges],
+            contacts=Contacts(*contacts),
             halves=tuple(self.halves[edge] for edge in edges),
-            counted=self.counted[edges],
-            friction=self.friction[edges],
             behind=tuple(self.behind[edge] for edge in edges),
-            modulus=self.modulus[edges],
-            tangential=self.tangential[edges],
+            **{name: getattr(self, name)[edges] for name in (*own, "tangential")},
         )
 
 

@@ -12,7 +12,6 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import NO_NUMBER, Frame, SlipZone, Station
-from fretfe.evaluate.factors import Unresolved
 from fretfe.evaluate.friction_behind import FrictionBehind, straight_inward
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
@@ -82,11 +81,15 @@ class FrontEdges(EdgeData):
         places, found = straight_inward(sector.s, sector.along, friction, sector.size)
         return FrictionBehind.of(places, found, float(self.frictions[number][self.last]))
 
+    def closed(self, number: int) -> bool:
+        """True if the front closes around the contact."""
+        return self.track.front.frames.closed
+
     def moved(self, number: int) -> MovedEdge:
         """K_N by the movement of the front."""
         return self.moves[number]
 
-    def unresolved(self, number: int, direction: Array) -> Unresolved:
+    def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
         track = self.track
         return unresolved(self.factors, track.front, track.fit, number, direction, self.cycle)
@@ -133,7 +136,7 @@ class FrontEdges(EdgeData):
     def completed(self, number: int, station: Station) -> Station:
         """The station with its place along the front, and what that makes of the contact there."""
         front, frames = self.track.front, self.track.front.frames
-        length = float(last_known(self.track.fit.length[:, number], self.cycle))
+        length = last_known(self.track.fit.length[: self.last + 1, number], self.cycle)
         lack = Withheld(Lack.FREE_END) if front.copied[number] else station.lack
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         return replace(

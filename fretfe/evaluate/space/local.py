@@ -333,11 +333,11 @@ class _Path:
         """Place of a state or of one that it repeats; -1 if it is not on the way."""
         return self.places.get(state, self.places.get(int(self.source[state]), -1))
 
-    def span(self, zone: SlipZone, first: int) -> tuple[int, int] | None:
+    def span(self, zone: SlipZone, first: int, last: int) -> tuple[int, int] | None:
         """Places of the ends of a half cycle, or of one that it repeats; None if not on the way."""
         places = self.places
         for start, end in ((zone.start, zone.end), self.source[[zone.start, zone.end]].tolist()):
-            if start in places and end in places and places[end] > first:
+            if start in places and first < places.get(end, -1) <= last:
                 return places[start], places[end]
         return None
 
@@ -441,7 +441,7 @@ class _Shape:
 
 @dataclass(frozen=True)
 class _Loads:
-    """What loads the plane problem of a station in the n states that are gone through.
+    """Loads of the plane problem of a station in the n states that are gone through.
 
     From a state without contact to the first one that is followed K_T and K_S grow in proportion to
     K_I, and what sticks then carries as much shear over its pressure. Where there is no such state
@@ -452,12 +452,14 @@ class _Loads:
         k, k_i: (n, 2) and (n,), constant up to the first one.
         locked: (2,) shear over the pressure there.
         first: place of that state.
+        last: place of the last one that is followed: then all stays as it is.
     """
 
     k: Array
     k_i: Array
     locked: Array
     first: int
+    last: int
 
     @classmethod
     def of(cls, path: _Path, station: Station, shape: _Shape, dundurs: float) -> _Loads:
@@ -468,14 +470,14 @@ class _Loads:
         grown = 1 + 3 * k[:, 2] / (shape.k_n * shape.half_width)
         states = np.arange(len(kept))
         lost = ~(np.isfinite(k).all(axis=1) & (grown > NARROWEST**1.5))
-        if path.cycle is None:
-            # Behind the last half cycle that is told all stays as it was, whatever opens then.
+        last = len(kept) - 1
+        if path.cycle is None:  # what opens behind the last half cycle that is told is no matter
             ends = [path.place(each.end) for each in station.slip_zones if not each.unknown]
-            told = states <= max((at for at in ends if at >= 0 and not lost[at]), default=-1)
-            k, lost = k[np.maximum.accumulate(np.where(told, states, 0))], lost & told
+            last = max((at for at in ends if at >= 0 and not lost[at]), default=0)
+            k, lost = k[np.minimum(states, last)], lost & (states <= last)
         first = max(int(np.flatnonzero(lost)[-1]) + 1 if lost.any() else 0, path.first)
         if first > path.begin:
-            return cls(k[:, :2], k[:, 2], np.zeros(2), first)
+            return cls(k[:, :2], k[:, 2], np.zeros(2), first, last)
         locked, reached = np.zeros(2), np.zeros(2)
         apart = path.first + np.flatnonzero(station.hold[kept][path.first : first] <= 0)
         *pulled, pressed = k[first] - k[apart[-1]] if len(apart) else np.zeros(3)
@@ -484,7 +486,7 @@ class _Loads:
             locked *= station.friction / max(station.friction, float(np.hypot(*locked)))
         begun = states < max(first, 1)
         k_i = np.where(states < first, k[first, 2], k[:, 2])
-        return cls(np.where(begun[:, None], reached, k[:, :2]), k_i, locked, first)
+        return cls(np.where(begun[:, None], reached, k[:, :2]), k_i, locked, first, last)
 
     def late(self, begin: int) -> _Loads:
         """The same from a cycle on, K_T and K_S counted from the middle of their ranges in it."""
@@ -492,7 +494,7 @@ class _Loads:
         k = self.k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
         k = np.where(states[:, None] < max(begin, 1), 0.0, k)
         k_i = np.where(states < begin, self.k_i[begin], self.k_i)
-        return _Loads(k, k_i, np.zeros(2), begin)
+        return _Loads(k, k_i, np.zeros(2), begin, self.last)
 
 
 @dataclass(frozen=True)
@@ -640,7 +642,7 @@ def _pose(
         )
     loads = loads.late(path.begin) if late else loads
     spans = tuple(
-        None if zone.gross or zone.unknown else path.span(zone, loads.first)
+        None if zone.gross or zone.unknown else path.span(zone, loads.first, loads.last)
         for zone in station.slip_zones
     )
     if not any(spans):

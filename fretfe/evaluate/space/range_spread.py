@@ -9,12 +9,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.evaluate.contacts import NEAR_FREE_END
-from fretfe.evaluate.factors import (
-    FactorHistories,
-    Unresolved,
-    cycle_range,
-    main_direction,
-)
+from fretfe.evaluate.factors import FactorHistories, cycle_range, main_direction, misplaced_range
 from fretfe.evaluate.space.fronts import SpaceFront
 from fretfe.evaluate.space.pressure_fit import FrontFit
 from fretfe.history.solution import Factor
@@ -22,10 +17,9 @@ from fretfe.history.solution import Factor
 # How far the border of an averaged area may be from the front, in elements: bonded spheres with
 # elements of a/12 and a/20 are off by 2.8 and 1.6 % at most, .8 and .5 % rms.
 WITHIN_ELEMENT = 0.35
-# Integrals reach no farther from the front than these parts of the half of the width of the contact
+# Integrals reach no farther from the front than this part of the half of the width of the contact,
 # and of the radius of curvature of the front.
-WIDEST = 0.4
-NARROWEST = 0.4
+FARTHEST = 0.4
 # Elements as far as integrals reach, by the shortest of the ways that are compared. Where there is
 # less room all ways are alike, and their difference tells nothing. Error over the elements that
 # are missing, as inverse numbers: at the tips of an ellipse with 2.3 elements ranges are 4.4 % too
@@ -41,7 +35,7 @@ def farthest(depth: float, radius: float) -> float:
         depth: half of the width of the contact.
         radius: of curvature of the front.
     """
-    return min(WIDEST * depth, NARROWEST * radius)
+    return FARTHEST * min(depth, radius)
 
 
 def unresolved(
@@ -51,7 +45,7 @@ def unresolved(
     station: int,
     direction: Array,
     cycle: Indices,
-) -> Unresolved:
+) -> list[float]:
     """Errors of the range of (K_T, K_S) along a direction by elements.
 
     As in the plane a discrete contact area ends somewhere within an element, which counts by the
@@ -87,8 +81,8 @@ def unresolved(
     layers = front.sectors[station].along_size / float(front.frames.to_free_end[station])
     near = NEAR_FREE_END * layers**2 * float(abs(swing[station]))
     along = _bent(swing, front, station), _beside(swing, front, station)
-    others = [cramped, near if math.isfinite(near) else 0.0, *along]
-    return Unresolved.of(histories[station] @ direction, growing, shares, cycle, others)
+    misplaced = misplaced_range(histories[station] @ direction, growing, shares, cycle)
+    return [*misplaced, cramped, near if math.isfinite(near) else 0.0, *along]
 
 
 def _misplaced(front: SpaceFront, fit: FrontFit, station: int, width: float) -> Array:

@@ -21,7 +21,6 @@ from reference.halfplane_galerkin import uniform_nodes
 from fretfe._typing import Array, Bools
 from fretfe.analytic._numerics import Side
 from fretfe.analytic.partial_slip import PartialSlip
-from fretfe.evaluate.cycles import cycle_change
 from fretfe.evaluate.plane.section import plane_front
 from fretfe.evaluate.plane.slip import slip_border
 from fretfe.evaluate.slip import SlipBorder
@@ -135,12 +134,3 @@ def test_slip_that_does_not_fall_inward_is_flagged() -> None:
 def test_only_the_zone_at_the_edge_counts() -> None:
     border = border_at(*pattern("..ss.."), edge=-0.5, side="left")
     assert border.length == 0.0
-
-
-# --- cycles
-
-
-def test_cycle_change_is_relative_to_the_friction_bound() -> None:
-    q = np.array([[1.0, 2.0], [3.0, 4.0]])
-    assert cycle_change(q, q + 0.1, friction=0.5, p_max=2.0) == pytest.approx(0.1, rel=1e-12)
-    assert cycle_change(q, q, friction=0.5, p_max=2.0) == 0.0
