@@ -14,13 +14,19 @@ import numpy as np
 import pytest
 from cases.halfplane_problems import FRICTION, HERTZ, LIMIT, LOAD, problem, solved
 
+from fretfe.analytic.profiles import Wedge
 from fretfe.evaluate.contacts import Station
+from fretfe.evaluate.evaluate import evaluate
+from fretfe.halfplane import solve_half_planes
 
 CORNERS = np.array([[1 / 3, 0], [1, 0.5], [0, 0], [1 / 3, 0], [1, 0.5], [0, 0]])
 # Slip zone where it is longest: the edge is at 2/3 of P, its inner end where that was at 1/3.
 LONGEST = HERTZ.half_width(2 / 3 * LOAD) - HERTZ.half_width(LOAD / 3)
 # Twice f K_I of what the edge stands on there: K_I of P is P over pi sqrt(2 a).
 RANGE = 2 * FRICTION * LOAD / 3 / (math.pi * math.sqrt(2 * HERTZ.half_width(2 / 3 * LOAD)))
+WEDGE = Wedge(slope=1e-3, e_star=1e5)
+# P over that of a half-width of 1, and Q over what friction takes then.
+PARTING = np.array([[0.97, -0.44], [0.71, -0.79], [0.32, 0.46], [0, 0], [0.53, -0.75], [1, -0.87]])
 
 
 def edges_after(parts: int, tension: float = 0.0) -> tuple[Station, ...]:
@@ -65,3 +71,19 @@ def test_cycles_in_proportion_slip_nowhere(parts: int) -> None:
         assert zone is not None
         assert (zone.length, zone.resolved) == (0.0, True)
         assert zone.spread < 0.02
+
+
+@pytest.mark.parametrize("parts", [2, 30, 60])
+def test_wedges_part_through_states_of_a_single_node(parts: int) -> None:
+    numbers = np.arange(len(PARTING))
+    places = np.linspace(0, numbers[-1], numbers[-1] * parts + 1)
+    p, share = PARTING.T
+    p, q = (np.interp(places, numbers, each) for each in (p, FRICTION * share * p))
+    loads = WEDGE.e_star * WEDGE.slope * np.array([p, q])
+    outcome = solve_half_planes(problem(*loads, profile=WEDGE))
+    assert outcome.failure is None
+    (contact,) = outcome.solution.contacts
+    forces = contact.mean_traction[-1].T @ contact.surface.weights
+    assert forces == pytest.approx(loads[:, -1], rel=1e-6)
+    edges = evaluate(outcome.solution, outcome.unit_factors)[0].stations
+    assert all(np.isfinite(zone.length) for edge in edges for zone in edge.slip_zones[-1:])

@@ -343,3 +343,48 @@ def test_tractions_in_all_states_of_the_cycle() -> None:
     for each in found.tractions.values():
         size = np.hypot(*each.shear.T)
         assert (size <= FRICTION * each.pressure * (1 + 1e-6) + 1e-9).all()
+
+
+@pytest.mark.parametrize("way", [1, -1])
+@pytest.mark.parametrize("locked", [0.0, 0.3])
+def test_what_is_locked_in_leaves_less_to_one_way_and_more_to_the_other(
+    way: int, locked: float
+) -> None:
+    """Places that carry a share of f p meet f -+ that (Jäger)."""
+    share = 0.4
+    given = histories(np.array([share / (1 - way * locked)]), SPHERE)
+    path = FRICTION * HALF_WIDTH / (2 * SPHERE) * (locked + way * share * np.linspace(0, 1, 7))
+    (found,) = solve_edges(
+        dataclasses.replace(
+            given,
+            k=np.stack([path, 0 * path], axis=-1)[None],
+            k_i=np.zeros((1, 7)),
+            locked=np.array([[FRICTION * locked, 0.0]]),
+            halves=(((0, 6),),),
+            counted=np.ones((1, 7), dtype=bool),
+            cycle=None,
+        )
+    )
+    profile = found.profiles[0]
+    border = slip_border(profile.s, profile.slip, profile.slip > FAINT * profile.slip.max())
+    assert border.length == pytest.approx(given.zone[0], rel=0.01)
+
+
+def test_what_slides_in_the_end_is_known_until_then() -> None:
+    given = histories(np.array([0.5]), SPHERE)
+    shares = np.append(np.linspace(0, 0.5, 7), np.linspace(0.5, 1.2, 7)[1:])
+    path = FRICTION * HALF_WIDTH / (2 * SPHERE) * shares
+    (found,) = solve_edges(
+        dataclasses.replace(
+            given,
+            k=np.stack([path, 0 * path], axis=-1)[None],
+            k_i=np.zeros((1, 13)),
+            halves=(((0, 6), (6, 12)),),
+            counted=np.ones((1, 13), dtype=bool),
+            cycle=None,
+        )
+    )
+    assert found.profiles.keys() == {0} and "would slide" in found.reason
+    profile = found.profiles[0]
+    border = slip_border(profile.s, profile.slip, profile.slip > FAINT * profile.slip.max())
+    assert border.length == pytest.approx(given.zone[0], rel=0.01)
