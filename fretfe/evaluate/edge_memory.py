@@ -347,16 +347,18 @@ class EdgeMemory:
     def doubt(self, half: HalfCycle) -> float:
         """Part of its equivalent range by which that of a half cycle may be off; 0 with one driver.
 
-        What cycles of several leave over of the shear, and whether its zone jumps by that.
+        What cycles of several leave over of the shear, whether its zone jumps by that, and, where P
+        moves the edge, how far they are apart: half-planes under P, Q and tension are off by .23.
         """
-        loose = self.station.loose
-        if not loose or not half.way:
+        station, end = self.station, half.end
+        if not half.way:
             return 0.0
-        size, end = self.equivalent_range(half), half.end
-        left = loose * float(np.nanmax(self.station.shear) - np.nanmin(self.station.shear))
-        jumped = replace(self.slip, behind=BEHIND).between(half.start, end, half.way).front
-        jump = 2 * float(self.friction[end] * self.station.unit[end]) * abs(half.front - jumped)
-        return (left + jump) / size
+        left = station.loose * float(np.nanmax(station.shear) - np.nanmin(station.shear))
+        slip = replace(self.slip, behind=BEHIND) if left else self.slip
+        jump = abs(half.front - slip.between(half.start, end, half.way).front)
+        jump *= 2 * float(self.friction[end] * station.unit[end])
+        apart = 0.0 if station.at_rest(half.start, end) else station.apart / 4
+        return math.hypot(apart, (left + jump) / self.equivalent_range(half))
 
     def longest(self, cycle: Sequence[int] | Indices) -> tuple[HalfCycle, ...]:
         """The half cycles with the longest zone forward and backward that end in a cycle.
@@ -408,8 +410,7 @@ class EdgeMemory:
 
     def cut_off(self, half: HalfCycle, others: Sequence[HalfCycle]) -> bool:
         """True if the history ends before slip has come as far as in another half cycle."""
-        same = [each for each in others if each.way == half.way]
-        deepest = min((each.front for each in same), default=math.inf)
+        deepest = min((each.front for each in others if each.way == half.way), default=math.inf)
         hold = float(self.hold[half.end])
         return half.front - deepest > COMPLETE * (hold - deepest)
 
@@ -417,8 +418,7 @@ class EdgeMemory:
         """State of a half cycle before which nothing slips."""
         if not half.way:
             return half.start
-        inside = self.slip.way[half.start + 1 : half.end + 1] == half.way
-        return half.start + int(np.argmax(inside))
+        return half.start + int(np.argmax(self.slip.way[half.start + 1 : half.end + 1] == half.way))
 
     def softens(self, start: int, end: int) -> bool:
         """True if the coefficient falls between two states by more than borders would show."""
