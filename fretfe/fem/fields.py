@@ -21,7 +21,8 @@ from fretfe.fem.model import Model, Request, Share
 from fretfe.fem.parallel import Lead, agreed
 from fretfe.fem.probes import Probe, measure
 from fretfe.files import writing
-from fretfe.local.problem import Batch, EdgeSlip
+from fretfe.local.batches import Batch
+from fretfe.local.problem import EdgeSlip
 from fretfe.mesh.shares import share_out
 from fretfe.results.field_files import FieldWriter
 

@@ -14,8 +14,9 @@ from scipy.special import ellipe
 from fretfe._typing import Array
 from fretfe.evaluate.plane.slip import slip_border
 from fretfe.evaluate.space.local import FAINT
+from fretfe.local.batches import solve_batches, solve_edges
 from fretfe.local.half_planes import Contacts, pressure_shapes, work_share
-from fretfe.local.problem import EdgeHistories, EdgeSlip, solve_batches, solve_edges
+from fretfe.local.problem import EdgeHistories, EdgeSlip
 
 FRICTION, E_STAR, HALF_WIDTH = 0.4, 1e5, 1.3
 CYLINDER, SPHERE = 2.0, 3.0

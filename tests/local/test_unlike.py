@@ -14,8 +14,9 @@ from fretfe.analytic.edges import oscillation, sliding_exponent
 from fretfe.evaluate.factors import factors_at, whole_factor
 from fretfe.evaluate.plane.slip import slip_border
 from fretfe.evaluate.space.local import FAINT, MEAN_LENGTH
+from fretfe.local.batches import solve_edges
 from fretfe.local.half_planes import Contacts
-from fretfe.local.problem import EdgeHistories, EdgeSlip, solve_edges
+from fretfe.local.problem import EdgeHistories, EdgeSlip
 
 STEPS, HALF_WIDTH = 16, float(HERTZ.half_width(LOAD))
 K_N = 2 * LOAD / (np.pi * HALF_WIDTH) * np.sqrt(2 / HALF_WIDTH)

@@ -26,8 +26,9 @@ from fretfe.exchange.export import export_tables
 from fretfe.fem._compat import MPI
 from fretfe.fem.elasticity import ElasticBody
 from fretfe.fem.run import solve
+from fretfe.local.batches import solve_edges
 from fretfe.local.half_planes import Contacts
-from fretfe.local.problem import EdgeHistories, solve_edges
+from fretfe.local.problem import EdgeHistories
 from fretfe.materials.crystals import HalfPlane, bunge_rotation, cubic, tensor, turned
 from fretfe.materials.material import Material
 from fretfe.mesh.extrusion import extrude

@@ -201,12 +201,10 @@ def with_stiff_elements(
         k_i: (T,) K_I by all of P on the contact as it is.
     """
     too_stiff = TOO_STIFF[degree] * contact.surface.growth ** (2 * degree)
-    moved = 2 * too_stiff * k_i / station.k_n
-    found = replace(
-        station,
-        k_n_spread=station.k_n_spread + too_stiff * station.k_n,
-        position_spread=station.position_spread + moved,
-    )
+    place = station.position_spread + 2 * too_stiff * k_i / station.k_n
+    bars = station.k_n_spread + too_stiff * station.k_n, place
+    k_n, place = (np.where(np.isnan(each), math.inf, each) for each in bars)
+    found = replace(station, k_n_spread=k_n, position_spread=place)
     # Where elements show no root of the pressure, the contact area of the increments is as vague.
     vague = math.isfinite(found.decisive_k_n[0]) and math.isnan(found.reported_k_n)
     if not vague:

@@ -30,17 +30,15 @@ from fretfe.evaluate.loaded import loaded, normal_force
 from fretfe.evaluate.plane.slip import INTERVAL, UNSEEN, slip_border
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.local.batches import Share, solve_batches, solve_edges
 from fretfe.local.half_planes import Contacts, work_share
 from fretfe.local.problem import (
     SLIDES,
     UNSETTLED,
     EdgeHistories,
     EdgeSlip,
-    Share,
     SlipProfile,
     Tractions,
-    solve_batches,
-    solve_edges,
 )
 from fretfe.materials.moduli import half_plane
 

@@ -43,7 +43,7 @@ from fretfe.evaluate.space.local import add_local_problems
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.verdicts import judge
 from fretfe.history.solution import Solution
-from fretfe.local.problem import solve_batches
+from fretfe.local.batches import solve_batches
 from fretfe.materials.moduli import contact_modulus
 from fretfe.report.figures.edges import _zones, draw_half_cycle, station_plot
 from fretfe.report.page.html import draw_plots
