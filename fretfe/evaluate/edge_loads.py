@@ -37,13 +37,7 @@ class EdgeLoads:
 
 
 def edge_loads(
-    units: Array,
-    drivers: Array,
-    friction: Bools,
-    touching: Bools,
-    direction: Array,
-    state: int,
-    least: Array,
+    units: Array, drivers: Array, friction: Bools, touching: Bools, direction: Array, state: int
 ) -> EdgeLoads:
     """Loads of an edge between similar bodies, each increment as if it had one size.
 
@@ -59,7 +53,6 @@ def edge_loads(
         touching: (T,) states in which there is contact.
         direction: (2,) of the shear.
         state: of the size, or the last one before in which factors are known.
-        least: (T,) K_I in each state, if it is the first known one since bodies touched.
     """
     steps, axes = np.diff(drivers, axis=0), direction[: units.shape[1] - 1]
     normal, along = units[:, Factor.K_I], np.einsum("tcj,c->tj", units[:, Factor.K_T :], axes)
@@ -68,9 +61,13 @@ def edge_loads(
     if len(known):
         unit = unit / unit[known[max(int(np.searchsorted(known, state, "right")) - 1, 0)]]
     ratios = np.stack([normal, along], axis=1) / unit[:, None, None]
+    # Contacts too small to tell are as they are next, as half-planes are at any size.
+    told = np.isfinite(ratios).all(axis=(1, 2)) | ~touching
+    following = np.where(told, np.arange(len(told)), len(told) - 1)
+    ratios = ratios[np.minimum.accumulate(following[::-1])[::-1]]
     increments = mean_of_ends(ratios[:, None], steps)[:, 0]
     increments[~friction[1:], 1] = 0.0
-    return EdgeLoads(*_held(increments, touching, least / unit), unit, apart)
+    return EdgeLoads(*_held(increments, touching), unit, apart)
 
 
 def returned(
@@ -106,7 +103,7 @@ def unlike_loads(k_i: Array, along: Array, touching: Bools, most: float) -> Edge
     return EdgeLoads(np.where(touching, held, 0.0), along, np.ones(len(k_i)))
 
 
-def _held(increments: Array, touching: Bools, least: Array) -> tuple[Array, Array]:
+def _held(increments: Array, touching: Bools) -> tuple[Array, Array]:
     """(T,) hold and shear of an edge from their increments (T - 1, 2), NaN where unknown."""
     sums = np.zeros((len(touching), 2))
     for state, step in enumerate(increments, start=1):
@@ -116,8 +113,6 @@ def _held(increments: Array, touching: Bools, least: Array) -> tuple[Array, Arra
         elif not known:
             sums[state] = np.nan
         else:
-            if np.isnan(before[0]):
-                before[:] = least[state - 1], 0.0
             sums[state] = before + step
     return sums[:, 0], sums[:, 1]
 

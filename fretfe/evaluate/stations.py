@@ -369,7 +369,7 @@ class EdgeData(ABC):
             return unlike_loads(history.k_i, along, self.steps.touching, most)
         units, drivers = self.factors.units[:, number], self.steps.solution.driver_values
         friction, touching = self.steps.friction, self.steps.touching
-        found = edge_loads(units, drivers, friction, touching, direction, self.last, least)
+        found = edge_loads(units, drivers, friction, touching, direction, self.last)
         found = returned(found, drivers, friction & touching, self.steps.cycles)
         if self.factors.exact:
             return found
