@@ -43,7 +43,7 @@ from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import load_path
-from fretfe.evaluate.loaded import decisive_state, left_out
+from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import FindBorder, cycle_states, half_cycles, last_state, zones_of
 from fretfe.evaluate.verdicts import FLANK
@@ -139,6 +139,10 @@ class EdgeData(ABC):
     @abstractmethod
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
+
+    def beside(self, number: int, along: Array, states: Indices) -> float:
+        """Range of a factor (T,) over states that may lie in others, in which there is no edge."""
+        return 0.0
 
     @abstractmethod
     def border(self, number: int, position: Array, outer: Bools, growth: FindGrowth) -> FindBorder:
@@ -289,7 +293,7 @@ class EdgeData(ABC):
         unresolved = self.unresolved(number, direction)
         path = self.path_of(self.steps.solution.cycle)
         spread = self.factors.range_spread(number, direction, unresolved, states, path)
-        beside = left_out(self.steps.whole.cycle, states, self.force) * swing
+        beside = self.beside(number, along.k_t, states)
         spread = replace(spread, layer=self.layer(number).range_error * swing, beside=beside)
         point, frame = self.place(number, history.decisive)
         fits, fitted = self.factors.fitted, math.nan

@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1558,
     "contact": 2286,
     "decision": 1996,
-    "evaluate": 8698,
+    "evaluate": 8716,
     "exchange": 2114,
     "fem": 4136,
     "fields": 1126,

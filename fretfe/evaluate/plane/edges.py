@@ -19,15 +19,18 @@ from fretfe.evaluate.factors import (
     along_line,
     cycle_range,
     misplaced_range,
+    misplaced_sums,
+    range_error,
 )
 from fretfe.evaluate.friction_behind import FrictionBehind
 from fretfe.evaluate.growth import FindGrowth
+from fretfe.evaluate.loaded import left_out
 from fretfe.evaluate.numerics import last_known
 from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front, plane_sections
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import FindBorder
+from fretfe.evaluate.slip import FindBorder, cycle_states
 from fretfe.evaluate.stations import EdgeData, MovedEdge
 from fretfe.history.solution import ContactHistory, NearbyLoads
 from fretfe.history.state_array import blocks
@@ -132,6 +135,37 @@ class PlaneEdges(EdgeData):
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
         return self._unresolved[number]
+
+    def beside(self, number: int, along: Array, states: Indices) -> float:
+        """Range of a factor (T,) that may lie in states of the cycle without edges.
+
+        Where bodies part nothing is left of K_T, and it counts from where they touch again: what it
+        is in the first state with edges, by their place there, is as much on flats, 4/3 of it on
+        cylinders and twice on wedges. In what they do just before they part they slide.
+        """
+        swing = cycle_range(along, states)
+        cycle, touching = cycle_states(self.steps.whole.cycle), self.steps.touching
+        proportional = left_out(self.steps.whole.cycle, states, self.force) * swing
+        if touching[cycle].all():
+            whole = along[cycle]
+            if not (len(whole) and np.isfinite(whole).all()):
+                return proportional
+            # Full stick has factors up to P = 0, with areas that are hardly known.
+            sums = misplaced_sums(whole, np.where(np.isin(cycle, states), 0.0, 1.0))
+            return range_error(whole, sums, np.arange(len(cycle))) + float(np.ptp(whole)) - swing
+        touched = np.maximum.accumulate(np.where(touching, 0, np.arange(len(along))))
+        # A patch begins anew where it appears, also where others were before.
+        since = np.where(self.contact.exists, along - along[touched], 0.0)
+        located = np.isfinite(self.fits[number].position) | ~touching
+        missed, begin = 0.0, int(self.cycle[0])
+        if known := bool(np.isfinite(since[cycle]).all()):
+            first = abs(float(since[begin])) if touched[begin] in cycle else 0.0
+            missed = max(cycle_range(since, cycle[located[cycle]]) - swing, 0.0) + first
+        if known and self.contact.node_range is None:
+            return missed
+        shear = float(self.contact.mean_traction[begin, :, 1] @ self.contact.surface.weights)
+        first = abs(shear) / (math.pi * math.sqrt(2 * self.half_width[begin]))
+        return max(missed, proportional, 2 * first - abs(float(along[begin] - along[states[0]])))
 
     @cached_property
     def _unresolved(self) -> list[list[float]]:
