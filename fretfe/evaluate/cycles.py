@@ -141,8 +141,8 @@ def cycle_changes(solution: Solution, contact: ContactHistory) -> list[float]:
     cycles = same_cycles(solution, friction)
     if not cycles:
         return [math.nan]
-    states = np.arange(cycles[0][0], cycles[0][1] + 1)
-    state = int(states[most_loaded(normal_force(contact)[states], np.arange(len(states)))])
+    force = normal_force(contact, slice(cycles[0][0], cycles[0][1] + 1))
+    state = cycles[0][0] + most_loaded(force, np.arange(len(force)))
     bound = float((friction.at(state) * traction[state][:, 0]).max())
     if bound <= 0:
         return [math.nan]

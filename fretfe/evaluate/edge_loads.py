@@ -10,7 +10,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import NOTHING
-from fretfe.evaluate.increments import left_over, mean_of_ends
+from fretfe.evaluate.increments import left_over, mean_of_ends, next_known
 from fretfe.history.solution import Factor
 
 # Factors of drivers cancel one another where their sum is less than this part of its terms.
@@ -62,9 +62,8 @@ def edge_loads(
         unit = unit / unit[known[max(int(np.searchsorted(known, state, "right")) - 1, 0)]]
     ratios = np.stack([normal, along], axis=1) / unit[:, None, None]
     # Contacts too small to tell are as they are next, as half-planes are at any size.
-    told = np.isfinite(ratios).all(axis=(1, 2)) | ~touching
-    following = np.where(told, np.arange(len(told)), len(told) - 1)
-    ratios = ratios[np.minimum.accumulate(following[::-1])[::-1]]
+    following = next_known(np.isfinite(ratios).all(axis=(1, 2)) | ~touching)
+    ratios = ratios[np.minimum(following, len(ratios) - 1)]
     increments = mean_of_ends(ratios[:, None], steps)[:, 0]
     increments[~friction[1:], 1] = 0.0
     return EdgeLoads(*_held(increments, touching), unit, apart)

@@ -351,13 +351,13 @@ class EdgeMemory:
         moves the edge, how far they are apart: half-planes under P, Q and tension are off by .23.
         """
         station, end = self.station, half.end
-        if not half.way:
-            return 0.0
+        moves = half.way and not station.at_rest(half.start, end)
+        apart = station.apart / 4 if moves else 0.0
+        if not (half.way and station.loose):
+            return apart
         left = station.loose * float(np.nanmax(station.shear) - np.nanmin(station.shear))
-        slip = replace(self.slip, behind=BEHIND) if left else self.slip
-        jump = abs(half.front - slip.between(half.start, end, half.way).front)
-        jump *= 2 * float(self.friction[end] * station.unit[end])
-        apart = 0.0 if station.at_rest(half.start, end) else station.apart / 4
+        jumped = replace(self.slip, behind=BEHIND).between(half.start, end, half.way).front
+        jump = 2 * float(self.friction[end] * station.unit[end]) * abs(half.front - jumped)
         return math.hypot(apart, (left + jump) / self.equivalent_range(half))
 
     def longest(self, cycle: Sequence[int] | Indices) -> tuple[HalfCycle, ...]:

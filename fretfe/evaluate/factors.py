@@ -163,8 +163,7 @@ def misplaced_range(
         cycle: states.
     """
     best = np.full(len(shares), np.fmin.reduce(shares[cycle], initial=math.nan))
-    sums = [misplaced_sums(growing, each) for each in (best, shares)]
-    held, whole = (range_error(own, each, cycle) for each in sums)
+    held, whole = (range_error(own, misplaced_sums(growing, e), cycle) for e in (best, shares))
     return held, math.sqrt(max(whole**2 - held**2, 0.0))
 
 

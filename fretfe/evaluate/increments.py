@@ -271,6 +271,12 @@ def _known(units: Array) -> Bools:
     return np.asarray(np.isfinite(units).all(axis=(1, 2, 3)))
 
 
+def next_known(known: Bools) -> Indices:
+    """(T,) the next of T states that is known, each its own if it is; T where none follows."""
+    states = np.where(known, np.arange(len(known)), len(known))
+    return np.asarray(np.minimum.accumulate(states[::-1])[::-1])
+
+
 def within_known(units: Array, step: Indices | None) -> Array:
     """Units of all states, those unknown within a step taken from the next known state in it.
 
@@ -287,7 +293,7 @@ def within_known(units: Array, step: Indices | None) -> Array:
     count = len(units)
     states, known = np.arange(count), _known(units)
     inside = np.append(step[1:] == step[:-1], False)
-    later = np.minimum.accumulate(np.where(known, states, count)[::-1])[::-1]
+    later = next_known(known)
     earlier = np.maximum.accumulate(np.where(known, states, -1))
     follows = (later < count) & (step[np.minimum(later, count - 1)] == step)
     begin = np.searchsorted(step, step) - 1
@@ -309,7 +315,7 @@ def beside_known(units: Array, small: Bools) -> Array:
     lost = small & ~known
     if not lost.any():
         return units
-    behind = np.minimum.accumulate(np.where(lost, len(units), states)[::-1])[::-1]
+    behind = next_known(~lost)
     before = np.maximum.accumulate(np.where(lost, -1, states))
     # Where no known state is next to the run, it stays as it is.
     there = np.append(known, False)

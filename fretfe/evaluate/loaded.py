@@ -34,16 +34,18 @@ NO_LOAD = 1e-6
 GROWTH = 0.75
 
 
-def normal_force(contact: ContactHistory) -> Array:
-    """(T,) P of a contact, by the means of the pressure around its nodes."""
-    return _resultant(contact, 0)
+def normal_force(contact: ContactHistory, states: slice = slice(None)) -> Array:
+    """(T,) P of a contact, or in some states, by the means of the pressure around its nodes."""
+    return _resultant(contact, 0, states)
 
 
-def _resultant(contact: ContactHistory, component: int) -> Array:
+def _resultant(contact: ContactHistory, component: int, states: slice = slice(None)) -> Array:
     """(T,) a component of the force of a contact."""
-    states = blocks(len(contact.mean_traction), contact.mean_traction[0].size)
-    found = [contact.mean_traction[each, :, component] @ contact.surface.weights for each in states]
-    return np.concatenate(found)
+    first, last, _ = states.indices(len(contact.mean_traction))
+    parts = blocks(last - first, contact.mean_traction[0].size)
+    own = (slice(first + each.start, first + each.stop) for each in parts)
+    weights = contact.surface.weights
+    return np.concatenate([contact.mean_traction[each, :, component] @ weights for each in own])
 
 
 def loaded(force: Array) -> Bools:
@@ -204,7 +206,7 @@ def whole_sliding(solution: Solution, contact: ContactHistory) -> tuple[float, f
     if not slides.any():
         return 0.0, 0.0
     steps, times = np.concatenate(moves), np.diff(solution.times[first : last + 1])
-    force = normal_force(contact)[first + 1 : last + 1]
+    force = normal_force(contact, slice(first + 1, last + 1))
     least = SMALLEST_SLIP * max(largest, _opening(contact, first, last))
     small = (force <= SMALL_LOAD * force.max()) & (np.linalg.norm(steps, axis=1) < least)
     slides = slides & ~small

@@ -260,10 +260,7 @@ class March:
                 before, self._work[:] = self._shear.copy(), 0.0
             self._step(state, whole)
         if given.cycle is not None:
-            change, again = (
-                self._changed(before),
-                _calendar(given.halves, given.shown, given.cycle),
-            )
+            change, again = self._changed(before), _calendar(given.halves, given.shown, given.cycle)
             for _ in range(MOST_CYCLES):
                 if not (change[~self._lost] > STEADY).any():
                     break

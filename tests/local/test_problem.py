@@ -16,7 +16,7 @@ from fretfe.evaluate.plane.slip import slip_border
 from fretfe.evaluate.space.local import FAINT
 from fretfe.local.batches import solve_batches, solve_edges
 from fretfe.local.half_planes import Contacts, pressure_shapes, work_share
-from fretfe.local.problem import EdgeHistories, EdgeSlip
+from fretfe.local.problem import EdgeHistories, EdgeSlip, SlipProfile
 
 FRICTION, E_STAR, HALF_WIDTH = 0.4, 1e5, 1.3
 CYLINDER, SPHERE = 2.0, 3.0
@@ -64,16 +64,16 @@ def exact(shares: Array, power: float) -> Array:
     return np.asarray(HALF_WIDTH * (1 - np.maximum(1 - shares, 0) ** (1 / power)))
 
 
+def length(profile: SlipProfile) -> float:
+    border = slip_border(profile.s, profile.slip, profile.slip > FAINT * profile.slip.max())
+    assert border.resolved
+    return border.length
+
+
 def lengths(found: list[EdgeSlip]) -> Array:
     """(S, 2) lengths of the last two slip zones."""
 
-    def length(number: int, edge: EdgeSlip) -> float:
-        profile = edge.profiles[number]
-        border = slip_border(profile.s, profile.slip, profile.slip > FAINT * profile.slip.max())
-        assert border.resolved
-        return border.length
-
-    return np.array([[length(number, edge) for number in (0, 1)] for edge in found])
+    return np.array([[length(edge.profiles[number]) for number in (0, 1)] for edge in found])
 
 
 SHARES = np.array([0.01, 0.05, 0.2, 0.4, 0.7])
@@ -366,9 +366,7 @@ def test_what_is_locked_in_leaves_less_to_one_way_and_more_to_the_other(
             cycle=None,
         )
     )
-    profile = found.profiles[0]
-    border = slip_border(profile.s, profile.slip, profile.slip > FAINT * profile.slip.max())
-    assert border.length == pytest.approx(given.zone[0], rel=0.01)
+    assert length(found.profiles[0]) == pytest.approx(given.zone[0], rel=0.01)
 
 
 def test_what_slides_in_the_end_is_known_until_then() -> None:
@@ -386,6 +384,4 @@ def test_what_slides_in_the_end_is_known_until_then() -> None:
         )
     )
     assert found.profiles.keys() == {0} and "would slide" in found.reason
-    profile = found.profiles[0]
-    border = slip_border(profile.s, profile.slip, profile.slip > FAINT * profile.slip.max())
-    assert border.length == pytest.approx(given.zone[0], rel=0.01)
+    assert length(found.profiles[0]) == pytest.approx(given.zone[0], rel=0.01)

@@ -13,9 +13,10 @@ import numpy as np
 import pytest
 
 import fretfe
+from fretfe._typing import Array
 from fretfe.case import parse_case
 
-RADIUS, YOUNG, FRICTION, LOAD = 100.0, 2e5, 0.4, 1300.0
+RADIUS, YOUNG, FRICTION = 100.0, 2e5, 0.4
 STATIONS = 24
 
 pytestmark = [pytest.mark.fem, pytest.mark.slow]
@@ -26,8 +27,8 @@ def radius(load: float) -> float:
     return float((3 * load * RADIUS / (2 * YOUNG)) ** (1 / 3))
 
 
-def case(corners: np.ndarray, parts: int) -> dict[str, Any]:
-    def platen(direction: str, values: np.ndarray) -> dict[str, Any]:
+def case(corners: Array, parts: int) -> dict[str, Any]:
+    def platen(direction: str, values: Array) -> dict[str, Any]:
         history = [
             {"ramp": float(value), "until": until, "steps": parts}
             for until, value in enumerate(values, start=1)

@@ -360,9 +360,8 @@ def unresolved(
             found = cycle_range(along_line(fitted, line), cycle)
             # Where there are too few nodes for fits, integrals stand alone.
             apart.append(found - known if np.isfinite(found) else 0.0)
-    growing = mean[int(np.argmax(ranges))]
     return [
-        [*misplaced_range(own, growing, share, cycle), *other]
+        [*misplaced_range(own, mean[int(np.argmax(ranges))], share, cycle), *other]
         for own, share, other in zip(mean, shares, others, strict=True)
     ]
 

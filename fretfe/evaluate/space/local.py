@@ -482,17 +482,19 @@ class _Loads:
         if pressed > 0 and np.isfinite(pulled).all() and not dundurs:
             locked, reached = np.array(pulled) / pressed, k[first, :2]
             locked *= station.friction / max(station.friction, float(np.hypot(*locked)))
-        begun = states < max(first, 1)
-        k_i = np.where(states < first, k[first, 2], k[:, 2])
-        return cls(np.where(begun[:, None], reached, k[:, :2]), k_i, locked, first, last)
+        return cls(k[:, :2], k[:, 2], locked, first, last)._still(reached)
 
     def late(self, begin: int) -> _Loads:
         """The same from a cycle on, K_T and K_S counted from the middle of their ranges in it."""
-        cycle, states = self.k[begin:], np.arange(len(self.k))
+        cycle = self.k[begin:]
         k = self.k - (cycle.max(axis=0) + cycle.min(axis=0)) / 2
-        k = np.where(states[:, None] < max(begin, 1), 0.0, k)
-        k_i = np.where(states < begin, self.k_i[begin], self.k_i)
-        return _Loads(k, k_i, np.zeros(2), begin, self.last)
+        return _Loads(k, self.k_i, np.zeros(2), begin, self.last)._still(np.zeros(2))
+
+    def _still(self, reached: Array) -> _Loads:
+        """The same with nothing that moves before the first state, and (K_T, K_S) reached there."""
+        before = np.arange(len(self.k)) < max(self.first, 1)
+        k = np.where(before[:, None], reached, self.k)
+        return replace(self, k=k, k_i=np.where(before, self.k_i[self.first], self.k_i))
 
 
 @dataclass(frozen=True)
