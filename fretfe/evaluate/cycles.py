@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import itertools
 import math
-from bisect import bisect_left
 from collections.abc import Sequence
 
 import numpy as np
@@ -90,15 +89,14 @@ def count_cycles(
     # The repetition itself leads from the last reversal, which is the first one, on.
     counted = rainflow(shear[turns[:-1]] if closed else shear[turns], repeated=closed)
     start, end = order[turns[counted.start]], order[turns[counted.end]]
+    slips = (_slip(*each, memory) for each in zip(start, end, counted.count, strict=True))
     return CountedCycles(
         start=start,
         end=end,
         count=counted.count,
         k_t_range=np.abs(station.k_t[end] - station.k_t[start]),
         k_t_mean=(station.k_t[end] + station.k_t[start]) / 2,
-        slip=np.array(
-            [_slip(*each, memory) for each in zip(start.tolist(), end.tolist(), strict=True)]
-        ),
+        slip=np.array(list(slips)),
         closed=closed,
         reason="",
     )
@@ -116,13 +114,16 @@ def _order(states: Indices, k_t: Array, returns: bool) -> tuple[Indices, bool]:
     return np.append(np.roll(period, -largest), period[largest]), True
 
 
-def _slip(start: int, end: int, memory: EdgeMemory | None) -> float:
+def _slip(start: int, end: int, count: float, memory: EdgeMemory | None) -> float:
     """Slip length from one reversal to another; NaN if P moves the edge in between."""
     if memory is None or not memory.station.at_rest(min(start, end), max(start, end), CLOSED):
         return math.nan
-    number = bisect_left(memory.half_cycles, end, key=lambda half: half.turn)
-    found = memory.half_cycles[number : number + 1]
-    return found[0].length if found and found[0].start < end else 0.0
+    change = float(memory.station.shear[end] - memory.station.shear[start])
+    # A half cycle may load for the first time; slip of all others has to turn round.
+    front = memory.hold[end] - abs(change) / (2 * memory.friction[end])
+    if count < 1 and start < end:
+        front = memory.slip.between(start, end, 1 if change > 0 else -1).front
+    return memory.length(end, front)
 
 
 def cycle_changes(solution: Solution, contact: ContactHistory) -> list[float]:

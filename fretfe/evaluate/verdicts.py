@@ -139,12 +139,12 @@ def no_range(station: Station) -> str:
 
 
 def expected_error(station: Station, length: float) -> float:
-    """Relative error that (9) and (11) are expected to have for a slip zone of this length.
+    """Relative error, without sign, that (9) and (11) are expected to have for a slip zone.
 
     First order: half the length times the relative growth of dP/da with a, which is d/(2a) for
     Hertz, d/(2(a - b)) or less for a flat with rounded ends, nothing for a wedge, d/a for a circle.
     """
-    return 0.5 * length * station.stiffening
+    return 0.5 * length * abs(station.stiffening)
 
 
 def judge(station: Station, zone: SlipZone) -> Judgement:

@@ -251,7 +251,7 @@ def _border_between(
     points = degree == 0 and growth is not None and not doubted
     if points and grown and border.length > 0:
         slip = slip / grown.stretch(s / border.length, deviation / border.length) ** 1.5
-    border = _as_last_nodes(border, s, slip, moved, points=points)
+    border = _as_last_nodes(border, s, slip, moved, points=points, exact=degree == 0)
     if degree and border.length > 0:  # few large elements in front of a kink: up to .28 of one off
         border = replace(border, spread=max(border.spread, size / math.sqrt(12)))
     if degree == 1 and border.length > 0:
@@ -298,7 +298,7 @@ def _moved(slip: Array) -> Bools:
 
 
 def _as_last_nodes(
-    border: SlipBorder, s: Array, slip: Array, slips: Bools, *, points: bool
+    border: SlipBorder, s: Array, slip: Array, slips: Bools, *, points: bool, exact: bool
 ) -> SlipBorder:
     """The border, or what the last nodes that slip say of it if that is clearly something else.
 
@@ -318,10 +318,11 @@ def _as_last_nodes(
         s: (n,) distances of the nodes from the edge inward.
         slip: (n,) their slip, of nodes means over their supports.
         slips: (n,) whether they slip.
-        points: whether the bodies are half-planes.
+        points: whether slip is one power of 3/2 at the border, without noise.
+        exact: whether the bodies are half-planes: their nodes tell it where no fit does.
     """
     count = int(np.argmin(slips[1:])) + 1
-    if border.gross or not border.resolved or count < FEWEST_LAST:
+    if border.gross or not (border.resolved or exact) or count < FEWEST_LAST:
         return border
     outer, last, first = s[count - 2 : count + 1]
     before, after = slip[count - 2 : count] ** (2 / 3)
@@ -335,11 +336,11 @@ def _as_last_nodes(
         # The first nodes know the edge to half an element, over how many share it.
         spread = math.hypot(INTERVAL * NODAL_ERROR * size, size / (2 * count), apart / 2)
         length = border.length if apart < NODAL_ERROR * size else other
-        return replace(border, length=length, spread=spread)
-    if apart < math.hypot(border.spread, size / math.sqrt(12)):
+        return replace(border, length=length, spread=spread, resolved=True)
+    if border.resolved and apart < math.hypot(border.spread, size / math.sqrt(12)):
         return border
     spread = math.hypot(max(part, 1 - part), INTERVAL * NODAL_ERROR) * size
-    return replace(border, length=other, spread=spread)
+    return replace(border, length=other, spread=spread, resolved=True)
 
 
 def _line(steps: Iterator[Array], nodes: Indices) -> Array:
