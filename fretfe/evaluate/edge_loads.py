@@ -61,9 +61,11 @@ def edge_loads(
     if len(known):
         unit = unit / unit[known[max(int(np.searchsorted(known, state, "right")) - 1, 0)]]
     ratios = np.stack([normal, along], axis=1) / unit[:, None, None]
-    # Contacts too small to tell are as they are next, as half-planes are at any size.
-    following = next_known(np.isfinite(ratios).all(axis=(1, 2)) | ~touching)
-    ratios = ratios[np.minimum(following, len(ratios) - 1)]
+    # Contacts too small to tell are as they are next, or were, as half-planes are at any size.
+    told = np.isfinite(ratios).all(axis=(1, 2))
+    following = np.minimum(next_known(told | ~touching), len(told) - 1)
+    before = np.maximum.accumulate(np.where(told | ~touching, np.arange(len(told)), 0))
+    ratios = ratios[np.where(told[following], following, before)]
     increments = mean_of_ends(ratios[:, None], steps)[:, 0]
     increments[~friction[1:], 1] = 0.0
     return EdgeLoads(*_held(increments, touching), unit, apart)

@@ -465,7 +465,7 @@ class EdgeMemory:
             if driven <= front:
                 break
             # A loop that closes touches an older front: that is not how far its slip comes.
-            fronts[at], lengths[at] = driven, self.length(end, driven)
+            fronts[at], lengths[at] = driven, np.nan_to_num(self.length(end, driven), nan=math.inf)
         length = self.length(end, front) if self.knows(front, start) else math.nan
         return HalfCycle(start, turn, end, way, front, length, deepest)
 

@@ -25,12 +25,15 @@ class Places:
     """Places behind an edge, by the hold that it gains on its way outward from the first known one.
 
     It gains K_N/(2 u) of it a length, with the unit factor u. That belongs to the place, whatever
-    has slipped before; it is straight between known places, as on cylinders and wedges.
+    has slipped before; it is straight between known places, as on cylinders and wedges. Inward of
+    the first one the hold is a power of the distance from where nothing is left of it: 1 of a
+    wedge, 2 of a cylinder, 3 of a sphere.
 
     Attributes:
         outward: (n,) known places, increasing.
         rate: (n,) what it gains there a length.
-        bend: change of that with the place, inward of the first one.
+        reach: how far inward of the first one nothing is left of the hold.
+        power: of the distance from there.
         gained: (n,) what it has gained.
         unit: (n,) factors of the edge.
         middle: place of the middle of the contact; NaN if not known.
@@ -38,7 +41,8 @@ class Places:
 
     outward: Array
     rate: Array
-    bend: float
+    reach: float
+    power: float
     gained: Array
     unit: Array
     middle: float
@@ -52,13 +56,15 @@ class Places:
         return share * rate[:-1], share * np.diff(rate) / width
 
     def at(self, gained: float) -> float:
-        """Place where it has gained so much; NaN beyond the middle of the contact."""
+        """Place where it has gained so much, at most back to where no hold is left."""
         if not len(self.gained):
             return math.nan
-        number, rate, bend = 0, float(self.rate[0]), self.bend
-        if gained > self.gained[0] and len(self.gained) > 1:
-            number = int(np.searchsorted(self.gained[:-1], gained, "right")) - 1
-            rate, bend = (float(each[number]) for each in self._pieces)
+        if gained <= self.gained[0] or len(self.gained) < 2:
+            less = (gained - float(self.gained[0])) / (float(self.rate[0]) * self.reach)
+            share = max(1 + self.power * less, 0.0 if self.power > 1 else -math.inf)
+            return float(self.outward[0]) + self.reach * (share ** (1 / self.power) - 1)
+        number = int(np.searchsorted(self.gained[:-1], gained, "right")) - 1
+        rate, bend = (float(each[number]) for each in self._pieces)
         more = gained - float(self.gained[number])
         square = rate**2 + 2 * bend * more
         if not square >= 0:
@@ -77,12 +83,18 @@ class Places:
         return float(np.interp(place, self.outward, self.unit**-2.0) ** -0.5)
 
     def gain(self, outward: Array) -> Array:
-        """(T,) what it has gained at places (T,) between known ones."""
+        """(T,) what it has gained at places (T,)."""
+        if not len(self.gained):
+            return math.nan * outward
+        way = outward - self.outward[0]
+        share = np.maximum(1 + way / self.reach, 0.0 if self.power > 1 else -math.inf)
+        less = float(self.rate[0]) * self.reach / self.power * (share**self.power - 1)
         if len(self.gained) < 2:
-            return 0 * outward + (self.gained[0] if len(self.gained) else math.nan)
+            return np.asarray(self.gained[0] + less)
         number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(self.outward) - 2)
-        way, (rate, bend) = outward - self.outward[number], self._pieces
-        return np.asarray(self.gained[number] + way * (rate[number] + way * bend[number] / 2))
+        along, (rate, bend) = outward - self.outward[number], self._pieces
+        inside = self.gained[number] + along * (rate[number] + along * bend[number] / 2)
+        return np.where(way < 0, self.gained[0] + less, inside)
 
 
 @dataclass(frozen=True)
@@ -249,16 +261,19 @@ def places_of(
     middle = -station.inward * station.position[station.last] - half_width
     if not len(states):
         none = np.zeros(0)
-        return Places(none, none, 0.0, none, none, middle)
+        return Places(none, none, math.nan, math.nan, none, none, middle)
     apart = TOLERANCE * max(float(np.ptp(outward[states])), TOLERANCE * half_width)
     states = states[np.diff(outward[states], prepend=-math.inf) > apart]
     outward, hold, rate = outward[states], hold[states], rate[states]
     gained = np.append(0.0, np.cumsum(np.diff(outward) * (rate[1:] + rate[:-1]) / 2))
-    bend = stiffening * rate[0] if math.isfinite(stiffening) else 0.0
+    reach, growth = float(outward[0] - middle), stiffening
     if rate.max() > WIDE * rate.min():
-        bend = (rate[-1] - rate[0]) / (outward[-1] - outward[0])
+        growth = float((rate[-1] - rate[0]) / (outward[-1] - outward[0]) / rate[0])
     if exact and (np.diff(hold) > 0).all():
-        # Straight down to the middle, where nothing is left of the hold.
-        reach, gained = outward[0] - middle, hold
-        bend = 2 * (rate[0] - hold[0] / reach) / reach
-    return Places(outward, rate, float(bend), gained, unit[states], float(middle))
+        growth, gained = math.nan, hold
+    if math.isnan(reach):  # a parabola, or a straight line
+        growth = float(np.nan_to_num(growth))
+        reach = 1 / growth if growth else 1.0
+    # The rate of h x^m grows by (m - 1)/x; what slides as a whole changes h, but not that.
+    power = float(rate[0]) * reach / float(hold[0]) if math.isnan(growth) else 1 + growth * reach
+    return Places(outward, rate, reach, max(power, 1.0), gained, unit[states], float(middle))

@@ -152,11 +152,8 @@ def longest_zone(contacts: Sequence[Contact]) -> tuple[Contact, Station, SlipZon
 
 def larger_half_cycle(contacts: Sequence[Contact]) -> tuple[Contact, Station] | None:
     """The station with the largest half cycle of all, if the evaluated cycle has no such."""
-    known = [
-        each
-        for each in shown_stations(contacts)
-        if each[1].defined and math.isfinite(each[1].largest_range)
-    ]
+    every = [(c, station) for c in contacts for front in c.fronts for station in front.defined]
+    known = [each for each in every if math.isfinite(each[1].largest_range)]
     largest = max(known, key=lambda each: each[1].largest_range, default=None)
     if largest is None or largest[1].slides:
         return largest

@@ -276,13 +276,12 @@ class EdgeData(ABC):
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
         history = replace(history, decisive=decisive)
         swing = cycle_range(along.k_t, states)
-        stiffening = moved.stiffening if math.isfinite(moved.spread) else math.nan
         last, end = last_state(cycle, along), len(along.k_t) - 1
         remember = partial(
             EdgeMemory.of,
             along,
             friction,
-            stiffening=stiffening,
+            stiffening=math.nan if beta else moved.stiffening,
             half_width=float(self.half_widths[number]),
             exact=bool(self.factors.exact),
             path=self.path_of,
@@ -382,7 +381,8 @@ class EdgeData(ABC):
         lift = max(float(short[most_loaded(self.force, np.arange(self.last + 1))]), 0.0)
         hold = np.where(touching, found.hold + lift, found.hold)
         vanishes = hold <= VANISHING * np.nanmax(hold, initial=0.0)
-        return replace(found, hold=np.where(vanishes, 0.0, hold))
+        shear = _at_least(found.shear, hold, vanishes)
+        return replace(found, hold=np.where(vanishes, 0.0, hold), shear=shear)
 
     def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
         """Largest half cycles of the evaluated cycle, and of the whole history."""
@@ -399,7 +399,10 @@ class EdgeData(ABC):
         if whole is None or not whole.sure:
             return found
         whole = whole if self.steps.dundurs else whole.fine
-        if (largest := whole.largest()) is not None:
+        largest = whole.largest()
+        if self.steps.dundurs and largest and not whole.station.at_rest(largest.start, largest.end):
+            return found  # P makes slip between unlike bodies, too
+        if largest is not None:
             found["largest_start"] = math.floor(whole.times[largest.start])
             found["largest_end"] = math.ceil(whole.times[largest.end])
             found["largest_range"] = whole.equivalent_range(largest)
@@ -464,6 +467,23 @@ def _acting(friction: Array, state: int) -> float:
     """Coefficient in a state, after pressing without friction that of the last state with it."""
     acting = friction[friction > 0]
     return float(friction[state] or (acting[-1] if len(acting) else 0.0))
+
+
+def _at_least(shear: Array, hold: Array, vanishes: Bools) -> Array:
+    """(T,) shear of an edge, in states that count as parted that of the least hold among them.
+
+    It goes with the hold: what is left of it beside none would make all slide.
+
+    Args:
+        shear: (T,) of the edge.
+        hold: (T,) of it.
+        vanishes: (T,) states in which that counts as none.
+    """
+    found, numbers = shear.copy(), np.cumsum(np.diff(vanishes, prepend=False))
+    for number in np.unique(numbers[vanishes]):
+        states = np.flatnonzero(numbers == number)
+        found[states] = shear[states[np.argmin(hold[states])]]
+    return found
 
 
 def with_moved(k_n: Array, spread: Array, moved: MovedEdge) -> Array:

@@ -133,6 +133,19 @@ def test_fronts_of_half_cycles_are_exact(name: str) -> None:
         assert half.length == pytest.approx(exact, rel=1e-6)
 
 
+@pytest.mark.parametrize("power", [1.0, 2.0, 3.0])
+def test_places_below_the_known_one_go_by_a_power_down_to_the_middle(power: float) -> None:
+    """A wedge, a cylinder and a sphere whose half-width a is 1 at the only known state."""
+    history = replace(
+        cylinder([0, 1, 1], [0, 0, 0.1], []).station, k_n=np.array([0, 2 * power, 2 * power])
+    )
+    memory = EdgeMemory.of(history, np.full(3, 0.5), 2, stiffening=power - 1, half_width=1.0)
+    assert memory is not None
+    for a in (0.9, 0.5, 0.1):
+        assert memory.length(2, a**power) == pytest.approx(1 - a, rel=1e-9)
+    assert np.isnan(memory.length(2, 0.0))
+
+
 @pytest.mark.parametrize("states", [1, 2, 9])
 def test_places_do_not_depend_on_what_sliding_has_left_of_the_hold(states: int) -> None:
     """Increments of the hold miss what slides; how it changes over places they tell all the same.

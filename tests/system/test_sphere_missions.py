@@ -60,6 +60,7 @@ def case(corners: Array, parts: int) -> dict[str, Any]:
 # P, Q after each second; the longest zone is there at P, where the front was at P*.
 OUT_OF_PHASE = [(1300, 0), (900, 250), (1300, -250), (900, 250), (1300, -250), (0, 0)]
 IN_PHASE = [(1300, 224), (672, -45), (1300, 224), (0, 0)]
+PARTING = [(1300, 0), (1300, -234), (1300, 117), (0, 0)] * 2
 # Places that are covered again take f dP, those that slipped back twice as much.
 AGAIN = 672 - (269 - FRICTION * 628) / (2 * FRICTION)
 
@@ -71,6 +72,7 @@ AGAIN = 672 - (269 - FRICTION * 628) / (2 * FRICTION)
         (OUT_OF_PHASE, 900, 900 - 250 / FRICTION, 4),
         (IN_PHASE, 1300, AGAIN, 1),
         (IN_PHASE, 1300, AGAIN, 4),
+        (PARTING, 1300, 1300 - 351 / (2 * FRICTION), 3),
     ],
 )
 def test_zones_of_missions_from_and_to_zero(

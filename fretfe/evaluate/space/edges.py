@@ -87,7 +87,9 @@ class FrontEdges(EdgeData):
 
     def moved(self, number: int) -> MovedEdge:
         """K_N by the movement of the front."""
-        return self.moves[number]
+        frames, depth = self.track.front.frames, float(self.track.front.depth[number])
+        stiffening = _stiffening(frames, number, self._length(number), depth)
+        return replace(self.moves[number], stiffening=stiffening)
 
     def unresolved(self, number: int, direction: Array) -> list[float]:
         """Errors of the range along a direction (2,) by the elements."""
@@ -136,7 +138,7 @@ class FrontEdges(EdgeData):
     def completed(self, number: int, station: Station) -> Station:
         """The station with its place along the front, and what that makes of the contact there."""
         front, frames = self.track.front, self.track.front.frames
-        length = last_known(self.track.fit.length[: self.last + 1, number], self.cycle)
+        length = self._length(number)
         lack = Withheld(Lack.FREE_END) if front.copied[number] else station.lack
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         return replace(
@@ -149,8 +151,11 @@ class FrontEdges(EdgeData):
             length=length,
             # Within a local length of a free end fields are those of a vertex.
             end=not to_end > max(min(depth, length), front.sectors[number].along_size),
-            stiffening=_stiffening(frames, number, length, depth),
         )
+
+    def _length(self, number: int) -> float:
+        """Length over which the fields of an edge hold, as last known."""
+        return last_known(self.track.fit.length[: self.last + 1, number], self.cycle)
 
     def unknown(self, number: int, fault: Fault) -> Station:
         """A station of which nothing but its place is known."""
