@@ -5,7 +5,8 @@ from __future__ import annotations
 
 from dataclasses import asdict, replace
 
-from fretfe.caution import Caution, Kind, Subject, grouped
+from fretfe.caution import Caution, Subject, grouped
+from fretfe.reason import Kind
 from fretfe.results.reader import restored
 
 
@@ -67,5 +68,5 @@ def test_a_caution_is_restored() -> None:
 
 
 def test_each_kind_is_declared_whole() -> None:
-    assert all(each.heading and each.when for each in Kind)
+    assert all(each.heading for each in Kind)
     assert not any(each.remedy.endswith(".") for each in Kind)

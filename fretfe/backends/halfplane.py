@@ -11,7 +11,6 @@ from itertools import chain
 
 from fretfe.backends.protocol import DEFAULTS, Backend, RunOptions, field_obstacles
 from fretfe.case import Case
-from fretfe.caution import Kind
 from fretfe.errors import CaseError, ConvergenceError, FretfeError, ModelError
 from fretfe.evaluate.contacts import Contact, Station, fronts_of
 from fretfe.evaluate.evaluate import evaluate, unknown_contacts, with_patches
@@ -28,6 +27,7 @@ from fretfe.halfplane.solver import solve_half_planes
 from fretfe.history.solution import Solution
 from fretfe.idealise import HalfPlaneProblem, idealise, obstacles
 from fretfe.idealise.problem import left_out_by_stretch
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 # Error of K_N or K_T from which the factors of half-planes are not those of the bodies, and of the

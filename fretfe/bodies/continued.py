@@ -18,13 +18,13 @@ from fretfe.bodies.definition import BodyDefinition, ModelDefinition, Pair, coup
 from fretfe.bodies.loads.strain import heatings
 from fretfe.bodies.point_values import FLAT
 from fretfe.case import Case
-from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.loads.friction import read_coefficients
 from fretfe.loads.over_surface import OverSurface, read_gap, read_layer
 from fretfe.materials.crystals import turned
 from fretfe.materials.moduli import contact_modulus
 from fretfe.mesh.mesh import BodyMesh, Mesh, place_text
+from fretfe.reason import Kind
 from fretfe.report.texts import rounded
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import require_covered

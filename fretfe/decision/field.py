@@ -35,6 +35,7 @@ from fretfe.decision.near_field import (
 )
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.evaluate.stress import SHALLOW, StressHistory, judged_states
+from fretfe.evaluate.withheld import withheld
 from fretfe.history.solution import ContactHistory
 from fretfe.materials.moduli import plane_modulus
 from fretfe.results.model import Result
@@ -280,8 +281,8 @@ def _obstacle(result: Result, contact: Contact, station: Station) -> str:
         return "the run is not complete"
     if not all(isotropic(result.case.bodies[each]) for each in (pair.body1, pair.body2)):
         return "a body is a crystal"
-    if station.no_edge or not math.isfinite(station.reported_k_n):
-        return "K_N is not known: the pressure has no root at this edge, or elements are too large"
+    if reason := withheld(station, ranged=False):
+        return reason.text
     if result.backend != "halfplane" and not result.has_stress:
         return "the run has no stress of the bodies: [output] stress_depths asks for it"
     return ""
@@ -291,8 +292,7 @@ def edgeless(contact: Contact) -> str:
     """Reason why a contact has nothing to be judged; empty if it has edges or stations."""
     if contact.edges:
         return ""
-    lacks = [contact.lack, *(each.lack for each in contact.stations)]
-    reason = next((each.text for each in lacks if each.text), "it carries no force")
+    reason = contact.lacks[0].text if contact.lacks else "it carries no force"
     return f"no edge or front is known: {reason}"
 
 

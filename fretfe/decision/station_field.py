@@ -11,7 +11,6 @@ Axes are those of `fretfe.decision.field`, with z along the front.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Collection, Iterator
 
 import numpy as np
@@ -24,6 +23,7 @@ from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
+from fretfe.evaluate.withheld import withheld
 from fretfe.history.solution import ContactHistory
 from fretfe.results.model import Result
 from fretfe.results.station_stress import StationStress
@@ -104,8 +104,8 @@ def _lack(station: Station, stress: StationStress) -> str:
     """Reason why the stress at a station is not known, or an empty text."""
     if station.end:
         return "within a local length of a free end, where the fields are not those of an edge"
-    if station.no_edge or not math.isfinite(station.reported_k_n):
-        return "K_N is not known: the pressure has no root at this edge, or elements are too large"
+    if reason := withheld(station, ranged=False):
+        return reason.text
     if stress.row(*_key(station)) is None:
         return "its place is not known in all states of the cycle with contact"
     return ""

@@ -20,8 +20,8 @@ import numpy as np
 from fretfe._typing import Array, Bools, Indices
 from fretfe.caution import Caution
 from fretfe.evaluate.friction_behind import FrictionBehind
-from fretfe.evaluate.withheld import TOLD, Lack, Withheld
 from fretfe.local.problem import Tractions
+from fretfe.reason import TOLD, Kind, Reason
 
 # Error bar of K_N or of the range of K_T, relative to it, from which it is marked as uncertain.
 LARGEST_SPREAD = 0.05
@@ -453,7 +453,7 @@ class Station(StationHistory):
     end: Annotated[bool, Quantity("", "whether the station is too near an end for a verdict")] = (
         False
     )
-    lack: Withheld = TOLD
+    lack: Reason = TOLD
     k_n_moved: Annotated[float, Quantity("k_n", "K_N by the movement of the front")]
     k_n_moved_spread: Annotated[float, Quantity("k_n", "its error bar")]
     k_n_moved_reason: Annotated[str, Quantity("", "why that is not known")] = ""
@@ -522,7 +522,7 @@ class Station(StationHistory):
     @property
     def no_edge(self) -> bool:
         """True at a plane of symmetry, behind which the contact goes on."""
-        return self.lack.kind is Lack.NO_EDGE
+        return self.lack.kind is Kind.NO_EDGE
 
     @property
     def reported_dissipation(self) -> float:
@@ -713,7 +713,7 @@ def without_formulas(station: Station) -> Station:
     )
 
 
-def unknown_station(front: str, number: int, states: int, lack: Withheld) -> Station:
+def unknown_station(front: str, number: int, states: int, lack: Reason) -> Station:
     """A station of which nothing is known.
 
     Args:
@@ -799,7 +799,7 @@ class Front:
     @property
     def lost(self) -> bool:
         """True if it is a border of the contact area along which no front can be followed."""
-        return self.stations[0].lack.kind is Lack.LOST
+        return self.stations[0].lack.kind is Kind.LOST
 
     @property
     def judged(self) -> tuple[Station, ...]:
@@ -961,7 +961,7 @@ class Contact:
     sliding_range: Annotated[
         float, Quantity("length", "range of the mean slip of the contact in that time")
     ] = 0.0
-    lack: Withheld = TOLD
+    lack: Reason = TOLD
     warnings: tuple[Caution, ...]
     patches: tuple[AreaPatch, ...] = ()
 
@@ -1015,6 +1015,11 @@ class Contact:
     def edges(self) -> tuple[Station, ...]:
         """The stations but for ends at planes of symmetry, which are no edges."""
         return tuple(station for station in self.stations if not station.no_edge)
+
+    @property
+    def lacks(self) -> tuple[Reason, ...]:
+        """Reasons why the contact has no fronts, or factors of its stations are not known."""
+        return tuple(filter(None, (self.lack, *(each.lack for each in self.stations))))
 
     def name_of(self, station: Station) -> str:
         """Name of one of its stations: CONTACT.left or CONTACT.right in the plane.

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.caution import Caution, Kind, Subject
+from fretfe.caution import Caution, Subject
 from fretfe.evaluate.contacts import (
     Contact,
     Front,
@@ -30,9 +30,9 @@ from fretfe.evaluate.plane.symmetry import NO_EDGE, whole_contact
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.resultants import force_ranges, plane_resultants, solid_resultants
 from fretfe.evaluate.warnings import plane_warnings, solid_warnings
-from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.reason import Kind, Reason
 
 # Not loaded by whoever loads this module: SciPy's interpolation takes a second.
 if TYPE_CHECKING:
@@ -109,7 +109,10 @@ def _unknown_contact(contact: ContactHistory, fault: Fault) -> Contact:
     return Contact(
         name=contact.name,
         pair=contact.pair,
-        fronts=fronts_of(unknown_station(each.name, 0, len(lost), failed(fault)) for each in sides),
+        fronts=fronts_of(
+            unknown_station(each.name, 0, len(lost), Reason(Kind.FAULT, words=fault.reason))
+            for each in sides
+        ),
         **known,
         cycle_change=np.nan,
         steady=False,

@@ -18,11 +18,12 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.case import AnyBody
 from fretfe.case.tables import Plane
-from fretfe.caution import Caution, Kind, Subject, places
+from fretfe.caution import Caution, Subject, places
 from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 from fretfe.materials.moduli import normal_modulus
+from fretfe.reason import Kind
 from fretfe.report.texts import beyond
 from fretfe.verdict import Verdict
 

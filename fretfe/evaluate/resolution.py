@@ -17,9 +17,9 @@ from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
 from fretfe.evaluate.refinement import SHORTEST_SLIP, Pass, StationValues
 from fretfe.evaluate.slip import cycle_states
-from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.mesh.sizing import FinePlaces
+from fretfe.reason import Kind
 
 # Elements over a slip zone in the first mesh that resolves a front; over the rise of the pressure
 # it has twice as many as K_N wants. Each further level halves the elements.
@@ -298,7 +298,7 @@ def _crossed(history: ContactHistory, contact: Contact, station: Station) -> Int
     arc = history.surface.arc
     patch = main_patch(arc, history.traction[station.decisive, :, 0])
     low, high = float(arc[patch.first]), float(arc[patch.last])
-    few = station.lack.kind is Lack.FEW_NODES
+    few = station.lack.kind is Kind.FEW_NODES
     finer = MISSED * station.lack.wanted / max(station.lack.found, 1) if few else 1.0
     return Interval(contact.name, low, high, _largest_element(arc, low, high) / finer)
 

@@ -47,9 +47,9 @@ from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.slip import FindBorder, cycle_states, half_cycles, last_state, zones_of
 from fretfe.evaluate.verdicts import FLANK
-from fretfe.evaluate.withheld import failed
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import Factor
+from fretfe.reason import Kind, Reason
 
 # Part of its largest hold up to which an edge between bodies with elements counts as parted: with
 # less, what sums of increments miss of the shear would be all that friction takes.
@@ -182,7 +182,9 @@ class EdgeData(ABC):
 
     def unknown(self, number: int, fault: Fault) -> Station:
         """The station of which nothing is known, since fretfe failed."""
-        return unknown_station(*self.front(number), len(self.steps.touching), failed(fault))
+        return unknown_station(
+            *self.front(number), len(self.steps.touching), Reason(Kind.FAULT, words=fault.reason)
+        )
 
     def layer(self, number: int) -> LayerAtEdge:
         """The layer of the contact at an edge."""

@@ -4,12 +4,10 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 
-import numpy as np
-
-from fretfe.caution import EDGES
 from fretfe.evaluate.contacts import LARGEST_SPREAD, LARGEST_TURNING, SlipZone, Station
+from fretfe.evaluate.withheld import with_bar, withheld
 from fretfe.faults import guarded
 from fretfe.report.texts import rounded
 from fretfe.verdict import Verdict
@@ -35,16 +33,6 @@ LOOSE = 0.3
 LARGEST_ACROSS = 0.5
 # Elements over a slip zone from which they are not too few for its border.
 FEWEST_ELEMENTS = 4
-# What the parts of the error bar of a range stand for.
-PARTS = {
-    "extraction": "the radii of the integral disagree",
-    "discretisation": "the front is somewhere within an element, or elements along it are long",
-    "layer": "the layer gives over a length E*/k that is not short against the half-width",
-    "steps": "the shear may go farther between the steps: take more steps per cycle",
-    "moved": "the edge moves far within steps, or is not known at an end of them",
-    "beside": "what the shear does in states without the edge is unknown",
-    "memory": "loads out of phase shear the edge while P moves it, or it moves as no load tells",
-}
 
 
 @dataclass(frozen=True)
@@ -66,76 +54,11 @@ def longest_verdict(station: Station) -> Judgement:
     """The verdict on the longest slip zone of the cycle at a station, or why it has none."""
     if (zone := station.longest_zone) is not None:
         return judge(station, zone)
-    reason = withheld(station)
-    if reason:
-        return Judgement(Verdict.UNKNOWN, reason)
+    if reason := withheld(station):
+        return Judgement(Verdict.UNKNOWN, reason.text)
     if station.friction > 0 and not station.undriven:
         return Judgement(Verdict.UNKNOWN, "no zone is told: nothing is known of a half cycle")
     return Judgement(Verdict.NO_ZONE, "there is no friction, or neither K_T nor K_S varies")
-
-
-def withheld(station: Station) -> str:
-    """Reason why K_N or the range of (K_T, K_S) of a station is not told; empty if both are."""
-    if station.lack.whole:
-        return station.lack.text
-    if station.lack.text and math.isnan(station.decisive_k_n[0]) and math.isnan(station.k_range):
-        return f"K_N and the range of {_shear(station)} are not known, since {station.lack.text}"
-    return "; ".join(filter(None, (_no_k_n(station), no_range(station))))
-
-
-def _shear(station: Station) -> str:
-    """Names of the factors of shear: K_T alone at plane edges whose bodies stay in the plane."""
-    plane = station.front in EDGES and not np.nan_to_num(station.k_s).any()
-    return "K_T" if plane else "K_T and K_S"
-
-
-def _no_k_n(station: Station) -> str:
-    k_n, spread = station.decisive_k_n
-    if math.isfinite(station.reported_k_n):
-        return ""
-    if math.isnan(k_n):
-        why = station.lack.text or "the pressure next to the front has no fit"
-        return f"K_N is not known, since {why}"
-    if not math.isfinite(spread):
-        return f"K_N is {rounded(k_n)}, without an error bar"
-    return f"K_N is {_with_bar(k_n, spread)}, an error bar of more than half of it"
-
-
-def _with_bar(value: float, spread: float) -> str:
-    return f"{rounded(value)} ± {rounded(spread, 2)}"
-
-
-def no_range(station: Station) -> str:
-    """Reason why the range of (K_T, K_S) of a station is not told; empty if it is."""
-    if math.isfinite(station.reported_range):
-        return ""
-    if math.isnan(station.k_range) and station.lack.text:
-        return f"there is no range of {_shear(station)}, since {station.lack.text}"
-    if math.isnan(station.k_range):
-        known = np.isfinite(station.k_t + station.k_s)[: station.last + 1 or None]
-        unknown = np.flatnonzero(~known)
-        if not len(unknown):
-            return f"there is no evaluated cycle, and no range of {_shear(station)}"
-        return (
-            f"{_shear(station)} unknown in {len(unknown)} of {len(known)} states, last in state "
-            f"{unknown[-1]}: the front cannot be found there, or moves to where nothing was "
-            "integrated"
-        )
-    parts, (size, spread) = asdict(station.k_range_parts), station.driven_range
-    if station.moves:
-        parts["memory"] = station.equivalent_misheld
-    if not math.isfinite(spread):
-        lost = " and ".join(name for name, part in parts.items() if not math.isfinite(part))
-        lost = lost or "nothing to compare with"
-        return f"the range of {_shear(station)} has no error bar ({lost})"
-    # A layer that matters disturbs the other parts, too.
-    by_layer = station.k_range_parts.layer > 0.1 * station.k_range
-    largest = "layer" if by_layer else max(parts, key=lambda name: parts[name])
-    return (
-        f"the range of {_shear(station)} is "
-        f"{_with_bar(size, spread)}, an error bar of more than "
-        f"half of it: {PARTS.get(largest, largest)}"
-    )
 
 
 def expected_error(station: Station, length: float) -> float:
@@ -229,7 +152,7 @@ def _judge_still(station: Station, zone: SlipZone) -> Judgement:
     most = (zone.prediction + _range_bar(station, zone)) * (1 + k_n_bar / k_n)
     if not math.isfinite(most):
         return Judgement(
-            Verdict.UNKNOWN, f"nothing slips; {withheld(station) or 'nothing is predicted'}"
+            Verdict.UNKNOWN, f"nothing slips; {withheld(station).text or 'nothing is predicted'}"
         )
     found = f"nothing slips, or over less than {rounded(unseen, 2)}"
     within = math.hypot(unseen, BORDER_ELEMENTS * station.size)
@@ -284,7 +207,7 @@ def beside_nodes(station: Station, zone: SlipZone) -> Judgement:
     if not zone.resolved or zone.gross:
         return Judgement(Verdict.NO_VERDICT, f"nodes tell no length: {_unresolved(station, zone)}")
     open_between = math.hypot(zone.spread, zone.local_spread) + BORDER_ELEMENTS * station.size
-    found = f"nodes slip over {_with_bar(zone.length, zone.spread)}, but {_by_plane_problem(zone)}"
+    found = f"nodes slip over {with_bar(zone.length, zone.spread)}, but {_by_plane_problem(zone)}"
     if abs(zone.length - zone.local) > open_between:
         reason = f"{found}: K_N, K_T and K_S do not describe what happens there"
         return Judgement(Verdict.DIFFERS, reason, open_between)
@@ -312,7 +235,7 @@ def beside_formula(station: Station, zone: SlipZone) -> Judgement:
 
 
 def _by_plane_problem(zone: SlipZone) -> str:
-    return f"{_with_bar(zone.local, zone.local_spread)} by the plane problem next to the front"
+    return f"{with_bar(zone.local, zone.local_spread)} by the plane problem next to the front"
 
 
 def _no_formula(station: Station, zone: SlipZone) -> str:
@@ -381,7 +304,7 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     if not local and (not zone.resolved or (math.isnan(zone.reported_length) and zone.length > 0)):
         return Judgement(Verdict.NOT_RESOLVED, _unresolved(station, zone))
     if math.isnan(zone.prediction) and not local:
-        lost = withheld(station)
+        lost = withheld(station).text
         if not lost and math.isfinite(station.k_n[zone.end]):
             return Judgement(Verdict.NO_VERDICT, _no_formula(station, zone))
         return Judgement(Verdict.UNKNOWN, lost or "K_N is not known at the end of the half cycle")
@@ -397,12 +320,12 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     ranges = math.isfinite(station.k_range)
     still = _still(zone)
     if ranges and not still and math.isnan(station.reported_range):
-        return Judgement(Verdict.UNKNOWN, withheld(station))
+        return Judgement(Verdict.UNKNOWN, withheld(station).text)
     if local and not still and zone.local_spread > LOOSE * zone.local:
         return Judgement(
             Verdict.UNKNOWN,
             "the plane problem next to the front gives "
-            f"{_with_bar(zone.local, zone.local_spread)}: its error bar leaves more than "
+            f"{with_bar(zone.local, zone.local_spread)}: its error bar leaves more than "
             f"{LOOSE:.0%} open",
         )
     if station.turning > LARGEST_TURNING and not local:

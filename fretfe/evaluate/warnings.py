@@ -13,7 +13,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.analytic.paths import reversals
-from fretfe.caution import Caution, Kind, about
+from fretfe.caution import Caution, about
 from fretfe.evaluate.contacts import Front, Station
 from fretfe.evaluate.cycles import unsteady_text
 from fretfe.evaluate.loaded import NO_LOAD, SMALL_LOAD, evaluated_states, normal_force
@@ -23,10 +23,11 @@ from fretfe.evaluate.plane.section import PLANE_FRONTS, contact_patches
 from fretfe.evaluate.plane.symmetry import reaches_image
 from fretfe.evaluate.resolution import BLIND
 from fretfe.evaluate.slip import cycle_states
-from fretfe.evaluate.verdicts import FEWEST_ELEMENTS, no_range, withheld
-from fretfe.evaluate.withheld import Lack, untouched_hint
+from fretfe.evaluate.verdicts import FEWEST_ELEMENTS
+from fretfe.evaluate.withheld import untouched_hint, withheld
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
+from fretfe.reason import Finding, Kind
 from fretfe.surface.surface import edges_once, rim_nodes
 
 # Part of the range of K_T that may lie between the steps without a warning.
@@ -48,8 +49,6 @@ NEARLY_SLIDES = 0.1
 # Largest P within steps over that at their ends from which on it is told, and steps that show it.
 BEYOND_ENDS = 1.05
 SHOWING_STEPS = 20
-# A kind of caution and its text.
-Finding = tuple[Kind, str]
 
 
 def plane_warnings(
@@ -194,7 +193,7 @@ def _solid_contact(
     nodes = int(np.count_nonzero(contact.status[last] != OPEN))
     if 0 < nodes < FEWEST_NODES and forces[last] > NO_LOAD * forces.max():
         finer = math.ceil(10 * math.sqrt(FEWEST_NODES / nodes)) / 10
-        narrow = found["lack"].kind is Lack.NARROW
+        narrow = found["lack"].kind is Kind.NARROW
         yield (
             Kind.FEW_NODES,
             f"{nodes} node{' is' if nodes == 1 else 's are'} in contact in state "
@@ -202,17 +201,13 @@ def _solid_contact(
             # Fronts want smaller ones, which is told by itself.
             f"areas{'' if narrow else f': make the elements {finer:.1f} times smaller there'}",
         )
-    if found["lack"].kind is not Lack.NOTHING:
+    if found["lack"]:
         earlier = {each.last for front in found["fronts"] for each in front.stations}
         known = "K_N, K_T, K_S and slip zones are unknown"
         if earlier:
             state = solution.step_of(max(earlier))
             known = f"K_N is that of state {state}, in which the contact is largest"
-        yield (
-            Kind.NO_FRONTS,
-            f"no front of the contact is known at the end of the cycle: {known}, because "
-            f"{found['lack'].text}",
-        )
+        yield Kind.NO_FRONTS.found(known=known, why=found["lack"].text)
     assert contact.surface.facets is not None and contact.surface.free is not None
     at_border = closed & rim_nodes(contact.surface.facets, len(closed)) & ~contact.surface.free
     if at_border.any():
@@ -299,7 +294,7 @@ def _withheld(solution: Solution, name: str, found: Mapping[str, Any]) -> Iterat
     share = np.where(touching > 0, sticking / np.maximum(touching, 1e-300), 1.0)
     least = int(np.argmin(share))
     for front in found["fronts"]:
-        reasons = [text for station in front.judged if (text := withheld(station))]
+        reasons = [each.text for station in front.judged if (each := withheld(station))]
         if front.lost or 2 * len(reasons) <= len(front.judged):
             continue
         text = (
@@ -324,39 +319,23 @@ def _nothing_known(contact: str, fronts: Sequence[Front]) -> Iterator[Caution]:
         lacks = Counter(each.lack for each in whole)
         for lack, number in lacks.items():
             stations = f"{number} of {count} stations " if count > 1 else ""
-            finding = Kind.NOTHING_KNOWN, f"{stations}unknown, because {lack.text}"
+            finding = Kind.NOTHING_KNOWN.found(stations=stations, why=lack.text)
             yield from about(contact, front.name, [finding])
 
 
 def _unknown(solution: Solution, contact: ContactHistory, station: Station) -> Iterator[Finding]:
-    """Factors of a plane edge that cannot be told, and why."""
-    if station.lack.whole:
-        return
-    k_n, ranged = station.decisive_k_n[0], math.isfinite(station.k_t_range)
-    if station.lack.kind is not Lack.NOTHING:
-        missing = ["K_N"] if contact.exists[station.decisive] and not math.isfinite(k_n) else []
-        # Where all slides that is no measure of anything.
-        if solution.cycle is not None and not ranged and not station.slides:
-            missing.append("ΔK_T")
-        names = " and ".join(missing)
-        if missing or not station.slides:
-            yield Kind.FACTORS_UNKNOWN, f"{names} unknown, because {station.lack.text}"
-    # Its bar has a reason of its own, unless that of K_N is too large as well.
-    alone = ranged and not station.slides and not _both_unknown(station)
-    if solution.cycle is not None and alone and (reason := no_range(station)):
-        yield Kind.FACTORS_UNKNOWN, f"ΔK_T unknown, because {reason}"
+    """Factors of a plane edge that cannot be told, and why; a K_N with a bar is told by itself."""
+    absent = contact.exists[station.decisive] and not math.isfinite(station.decisive_k_n[0])
+    # Where all slides a range is no measure of anything.
+    ranged = solution.cycle is not None and not station.slides
+    reason = withheld(station, k_n=bool(absent), ranged=ranged)
+    if reason and not reason.whole:
+        yield Kind.FACTORS_UNKNOWN, reason.text
 
 
 def _slides(solution: Solution) -> Finding:
     """Caution about a contact that slides as a whole, in the cycle if there is one."""
-    within = "" if solution.cycle is None else " in the cycle"
-    return Kind.GROSS_SLIP, f"the whole contact slides{within}"
-
-
-def _both_unknown(station: Station) -> bool:
-    """True if the error bars of both K_N and the range of K_T are too large."""
-    finite = math.isfinite(station.decisive_k_n[0]) and math.isfinite(station.k_range)
-    return finite and math.isnan(station.reported_k_n) and math.isnan(station.reported_range)
+    return Kind.GROSS_SLIP.found(when="" if solution.cycle is None else " in the cycle")
 
 
 def _parted(contact: ContactHistory, states: Indices) -> Iterator[Finding]:
@@ -379,7 +358,7 @@ def _uncounted(solution: Solution, station: Station) -> Iterator[Finding]:
     turns = max((len(reversals(each)) for each in solution.values.T), default=0)
     known = np.isfinite(station.k_t)
     if turns >= FEWEST_TURNS and not station.cycles.count.size and not known.all():
-        yield Kind.UNCOUNTED, f"cycles are not counted: {station.cycles.reason}"
+        yield Kind.UNCOUNTED.found(why=station.cycles.reason)
 
 
 def _patches(contact: ContactHistory) -> Iterator[Finding]:
@@ -426,10 +405,7 @@ def _never_touch(contact: ContactHistory, smallest: float, dimension: int) -> Fi
     """Caution about surfaces that are never in contact, by their smallest gap of all states."""
     first = float(contact.gap[0].min())
     hint = untouched_hint(first, smallest, contact.surface.weights, dimension)
-    return (
-        Kind.NEVER_TOUCH,
-        f"the surfaces never touch; the smallest gap is {max(smallest, 0.0):.4g}. {hint}",
-    )
+    return Kind.NEVER_TOUCH.found(gap=max(smallest, 0.0), hint=hint)
 
 
 def _surfaces(contact: ContactHistory, fronts: Sequence[Front]) -> Iterator[Caution]:
@@ -441,13 +417,8 @@ def _surfaces(contact: ContactHistory, fronts: Sequence[Front]) -> Iterator[Caut
     for front in PLANE_FRONTS:
         if not front.from_front(closed)[0] or front.name in endless:
             continue
-        reached: Finding = (Kind.SURFACE_END, "the contact reaches the end of its surface")
-        if reaches_image(contact, front):
-            reached = (
-                Kind.CUT_END,
-                "the contact reaches the end of its surface, behind which both bodies go on",
-            )
-        yield from about(contact.name, front.name, [reached])
+        kind = Kind.CUT_END if reaches_image(contact, front) else Kind.SURFACE_END
+        yield from about(contact.name, front.name, [kind.found()])
 
 
 def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
@@ -457,20 +428,14 @@ def _uncertain(station: Station, kind: Kind) -> Iterator[Finding]:
         station: of a plane contact.
         kind: of the caution about K_N.
     """
-    k_n, spread = station.decisive_k_n
+    (k_n, spread), lost = station.decisive_k_n, withheld(station, ranged=False).text
     if station.slides:  # finer elements and steps do not change that
-        if math.isfinite(k_n) and math.isnan(station.reported_k_n):
-            yield Kind.FACTORS_UNKNOWN, "K_N unknown, as its error bar is more than half of it"
+        if math.isfinite(k_n) and lost:
+            yield Kind.FACTORS_UNKNOWN, lost
         return
     if station.uncertain:
         size = "" if kind is Kind.LAYER else _wanted(station, station.size / BLIND)
-        if _both_unknown(station):
-            text = "their error bars are unknown or more than half of them"
-            yield kind, f"K_N and ΔK_T are unknown, as {text}{size}"
-        elif math.isnan(station.reported_k_n):
-            yield kind, f"K_N is unknown, as its error bar is more than half of it{size}"
-        else:
-            yield kind, f"K_N is known to {spread / k_n:.0%} only{size}"
+        yield kind, f"{lost or f'K_N is known to {spread / k_n:.0%} only'}{size}"
     parts = station.k_range_parts
     steps = parts.steps + (0.0 if station.moves else parts.moved)
     # What drives nothing has no share that steps could be wrong by.

@@ -16,7 +16,6 @@ from fretfe.bodies.definition import BodyDefinition, Pair
 from fretfe.bodies.loads.strain import heatings, surface_temperatures
 from fretfe.case import Case, isotropic
 from fretfe.case.bodies import OverTemperature
-from fretfe.caution import Kind
 from fretfe.contact.interface import coordinate_range
 from fretfe.contact.recorder import Recorder, StateBlock
 from fretfe.errors import ConvergenceError
@@ -39,6 +38,7 @@ from fretfe.idealise.bodies import SIMILAR, cross_compliance, dissimilarity
 from fretfe.loads.friction import read_coefficients
 from fretfe.loads.over_surface import read_gap
 from fretfe.mesh.elements import reference_nodes, shape_values
+from fretfe.reason import Kind
 from fretfe.surface.checks import INTERPENETRATION_PER_FACET
 from fretfe.surface.gap import LARGEST_MISS, gap_missed
 from fretfe.surface.normals import mean_share

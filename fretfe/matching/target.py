@@ -11,11 +11,12 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
-from fretfe.caution import Caution, Kind, about
+from fretfe.caution import Caution, about
 from fretfe.errors import ModelError
 from fretfe.evaluate.contacts import NO_NUMBER, Contact, Front, Station
 from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.idealise.bodies import SIMILAR
+from fretfe.reason import Kind
 from fretfe.results.end_answers import beside_end
 from fretfe.results.model import Result
 
@@ -235,12 +236,11 @@ def _warnings(
 ) -> Iterator[tuple[Kind, str]]:
     """Properties of a cycle that tests do not follow, or that are not known well enough."""
     if not contact.steady:
-        yield Kind.TARGET_UNSTEADY, "the cycle is not steady"
+        yield Kind.TARGET_UNSTEADY.found()
     if station.uncertain or station.uncertain_range:
-        text = "K_N or the range of K_T is known to less than a twentieth"
-        yield Kind.TARGET_UNCERTAIN, text
+        yield Kind.TARGET_UNCERTAIN.found()
     if in_step == 0 and normal > NORMAL_COUNTS:
-        yield Kind.TARGET_OUT_OF_STEP, "K_I does not vary in step with K_T"
+        yield Kind.TARGET_OUT_OF_STEP.found()
     if abs(math.sin(math.radians(station.k_angle))) > TURNS:
         yield (
             Kind.TARGET_DIRECTION,

@@ -29,8 +29,8 @@ from fretfe.evaluate.verdicts import (
     beside_nodes,
     judge,
     longest_verdict,
-    withheld,
 )
+from fretfe.evaluate.withheld import k_n_lack, range_lack, withheld
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
@@ -293,8 +293,7 @@ def _no_shear(contact: Contact) -> str:
     """The reason why Q of a cycle is not compared with the factors."""
     for station in contact.stations:
         if math.isnan(station.k_range):
-            why = station.lack.text or "in some states of the cycle"
-            return f"ΔK_T of the {station.front} edge is not known: {why}"
+            return f"ΔK_T of the {station.front} edge is not known: {range_lack(station).text}"
         if abs(station.k_angle) >= NEARLY_ALONG_Z:
             return "shear acts along z"
     return "no shear force in the cycle"
@@ -313,15 +312,13 @@ def _edge_rows(result: Result, contact: Contact, station: Station) -> Iterator[R
 
 def _unknown_rows(at: Place, contact: Contact, station: Station) -> Iterator[Row]:
     """Numbers that this run should carry and does not, and why."""
-    for quantity, value in (("K_N", station.decisive_k_n[0]), ("ΔK_T", station.k_range)):
-        if (
-            math.isnan(value)
-            and not station.lack.whole
-            and contact.normal_force[station.decisive] > 0
-            and not math.isnan(contact.cycle_change)
-        ):
-            reason = station.lack.text or "it is not known in every state of the cycle"
-            yield at.missing(quantity, reason, Verdict.UNKNOWN)
+    carried = contact.normal_force[station.decisive] > 0 and not math.isnan(contact.cycle_change)
+    if not carried or station.lack.whole:
+        return
+    if math.isnan(station.decisive_k_n[0]):
+        yield at.missing("K_N", k_n_lack(station).text, Verdict.UNKNOWN)
+    if math.isnan(station.k_range):
+        yield at.missing("ΔK_T", range_lack(station).text, Verdict.UNKNOWN)
 
 
 def _moving_row(at: Place, station: Station) -> Row:
@@ -430,7 +427,7 @@ def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
     for quantity, values in told.items():
         unknown = np.count_nonzero(np.isnan(values))
         if unknown > (1 - WITHIN) * len(values):
-            reasons = [each for station in stations if (each := withheld(station))]
+            reasons = [each.text for station in stations if (each := withheld(station))]
             text = (
                 f"not known to within half of it at {unknown} of {len(values)} stations, as "
                 f"{reasons[len(reasons) // 2]}"

@@ -9,7 +9,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from fretfe.caution import Kind, Subject, places
+from fretfe.caution import Subject, places
 from fretfe.evaluate.contacts import LARGEST_SPREAD, Contact, SlipZone, Station
 from fretfe.evaluate.headline import (
     SAME,
@@ -23,8 +23,10 @@ from fretfe.evaluate.headline import (
     worst_station,
 )
 from fretfe.evaluate.stress import worst_counted
-from fretfe.evaluate.verdicts import longest_verdict, withheld
+from fretfe.evaluate.verdicts import longest_verdict
+from fretfe.evaluate.withheld import withheld
 from fretfe.loads import cycle_words
+from fretfe.reason import Kind
 from fretfe.report.texts import number, percent, with_error
 from fretfe.results.end_answers import Meeting, both_ways, meeting_at, nearest_range
 from fretfe.results.front_ends import end_beside
@@ -123,15 +125,15 @@ def _largest_slip(run: Result, station: Station) -> str:
 def _nothing(run: Result) -> str:
     """Words in place of the worst edge where neither K_N nor a range is known."""
     reasons = [
-        (station.lack.finer, f"{contact.name_of(station)}: {why}")
+        (why.finer, f"{contact.name_of(station)}: {why.text}")
         for contact in run.contacts
         for station in contact.edges
         if (why := withheld(station))
     ]
     if reasons:
         # Of several edges the one that needs the smallest elements: those do for all.
-        _, why = max(reasons, key=lambda each: each[0])
-        return f"No edge has a known K_N or range of K_T ({why})."
+        _, text = max(reasons, key=lambda each: each[0])
+        return f"No edge has a known K_N or range of K_T ({text})."
     return " ".join(_without_fronts(run, each) for each in run.contacts if not each.edges)
 
 
@@ -271,7 +273,7 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
         yield "there is no evaluated cycle"
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"
-    lost, met = withheld(station), meeting_at(run, contact.name_of(station))
+    met = meeting_at(run, contact.name_of(station))
     if met is not None and not met.agrees:
         yield f"run and sub-model differ there: {both_ways(met)}"
     ranged = run.loads.cycle is not None and station.friction != 0 and not station.slides
@@ -279,7 +281,8 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     for symbol, quantity in wanted:
         value, bar = _better(quantity, station, met)
         if math.isnan(value):
-            yield (not station.slides and lost) or f"{symbol} is unknown"
+            own = withheld(station, k_n=quantity is K_N, ranged=quantity is K_RANGE)
+            yield own.text or f"{symbol} is unknown"
         elif value > 0 and bar > LARGEST_SPREAD * value:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
     if any(each.kind is Kind.WITHIN_STEP for each in contact.warnings):
@@ -289,7 +292,7 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)
     if judgement.verdict is Verdict.NOT_RESOLVED or not shown:
         yield "the mesh does not resolve the slip zone"
-    elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not lost:
+    elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not withheld(station):
         yield f"the slip zone is compared with nothing: {judgement.reason}"
     exceeded = [each for each in run.limits if each.exceeded or each.doubtful]
     if exceeded:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from fretfe._typing import Array
 from fretfe.case import Case
-from fretfe.caution import Caution, Kind, Subject
+from fretfe.caution import Caution, about
 from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Contact, Front, Station
 from fretfe.evaluate.headline import Headline
@@ -33,6 +33,7 @@ from fretfe.faults import Fault
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.loads import History
 from fretfe.mesh.mesh import BodyMesh
+from fretfe.reason import Kind
 from fretfe.results.hdf5_file import STRESSES, read_stress
 from fretfe.results.quantities import EDGES, SOLIDS, STATIONS, axis_label, unit
 from fretfe.results.station_stress import STATION_STRESSES, StationStress, read_station_stress
@@ -102,8 +103,7 @@ class Result:
         refinement = self.refinement
         run: tuple[Caution, ...] = ()
         if refinement is not None and not refinement.converged:
-            text = f"the mesh is not fine enough for edges.tolerance: {refinement.reason}"
-            run = (Caution(Kind.NOT_CONVERGED, Subject(), text),)
+            run = (*about("", "", [Kind.NOT_CONVERGED.found(why=refinement.reason)]),)
         return (*run, *(each for contact in self.contacts for each in contact.warnings))
 
     @cached_property
@@ -253,8 +253,8 @@ class Result:
     def _why(self, name: str = "") -> str:
         """Reasons why the factors of edges whose names begin so are not known, each once."""
         own = [each for each in self.contacts if name.startswith(each.name) or not name]
-        lacks = [lack for each in own for lack in (each.lack, *(x.lack for x in each.stations))]
-        return "".join(f"; {text}" for text in dict.fromkeys(each.text for each in lacks) if text)
+        lacks = dict.fromkeys(lack.text for each in own for lack in each.lacks)
+        return "".join(f"; {text}" for text in lacks)
 
     def contact_history(self, contact: str) -> ContactHistory:
         """Return tractions, gap and slip along a contact, or along one of its patches.

@@ -27,7 +27,8 @@ from fretfe.evaluate.contacts import (
     histories,
     quantities,
 )
-from fretfe.evaluate.verdicts import longest_verdict, withheld
+from fretfe.evaluate.verdicts import longest_verdict
+from fretfe.evaluate.withheld import withheld
 
 AXES = "xyz"
 # Kinds of quantities and their units, plane bodies per unit thickness. Solids differ in some.
@@ -314,7 +315,7 @@ CHOSEN = (
         "verdict", "", "comparison with what is predicted", lambda _, s: longest_verdict(s).verdict
     ),
     Column("reason", "", "why there is no verdict", lambda _, s: longest_verdict(s).reason),
-    Column("withheld", "", "why a number is not told", lambda _, each: withheld(each)),
+    Column("withheld", "", "why a number is not told", lambda _, each: withheld(each).text),
 )
 # All that a station has: a new number of it is a column without further ado.
 STATIONS = (

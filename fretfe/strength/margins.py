@@ -12,9 +12,10 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.case import AnyBody, isotropic
-from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.evaluate.contacts import Contact, Station
+from fretfe.evaluate.withheld import withheld
+from fretfe.reason import Kind
 from fretfe.report.texts import number, rounded
 from fretfe.results.end_answers import beside_end
 from fretfe.results.model import Result
@@ -142,7 +143,7 @@ def _edge(
         k_n=k_n, k_n_spread=edge.decisive_k_n[1],
         k_t_range=k_t_range, k_t_range_spread=float(edge.told_range[1]),
         friction=friction, bodies=_bodies(result, pair),
-        obstacles=tuple(_obstacles(result, k_n, k_t_range)), remarks=tuple(remarks),
+        obstacles=tuple(_obstacles(result, edge)), remarks=tuple(remarks),
     )  # fmt: skip
 
 
@@ -152,17 +153,15 @@ def _bodies(result: Result, pair: str) -> tuple[AnyBody, ...]:
     return result.case.bodies[named.body1], result.case.bodies[named.body2]
 
 
-def _obstacles(result: Result, k_n: float, k_t_range: float) -> Iterator[str]:
+def _obstacles(result: Result, edge: Station) -> Iterator[str]:
     """Reasons of the run, which another one may not have."""
     if result.failure is not None:
         yield "the run is not complete"
-    if not math.isfinite(k_n):
-        yield "K_N is not known, or its error bar is more than half of it"
+    if reason := withheld(edge, ranged=result.loads.cycle is not None):
+        yield reason.text
     if result.loads.cycle is None:
         yield "there is no evaluated cycle"
-    elif not math.isfinite(k_t_range):
-        yield "ΔK_T is not known, or its error bar is more than half of it"
-    elif not k_t_range > 0:
+    elif edge.reported_range == 0:
         yield "ΔK_T is zero"
 
 

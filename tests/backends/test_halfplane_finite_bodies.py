@@ -8,9 +8,9 @@ from cases.pad_cases import PAD, STEEL, cylinder, pad, press, shear
 
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.idealise import idealise
 from fretfe.quality.validation import summary, validate
+from fretfe.reason import Kind
 
 HALF_WIDTH = 0.5749
 QUANTITY = "error of K_N or ΔK_T because the bodies are not half-planes"

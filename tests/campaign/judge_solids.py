@@ -24,9 +24,10 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.paths import PolygonPath, permanent_stick_load
 from fretfe.case import parse_case
-from fretfe.caution import Caution, Kind
+from fretfe.caution import Caution
 from fretfe.errors import FretfeError
 from fretfe.evaluate.contacts import Station, reported
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 SOLID_QUANTITIES = ("K_N", "ΔK_T", "ΔK_S", "d")

@@ -11,8 +11,8 @@ from cases import cycled_sphere
 from cases.solid_runs import FRICTION, stationed_sphere
 
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.evaluate.limits import ModelLimit, with_crossed_spreads
+from fretfe.reason import Kind
 
 NICKEL = {"elastic": {"cubic": [252e3, 161e3, 131e3]}}
 OCTAHEDRAL = {**NICKEL, "orientation": {"y": [1, 1, 1], "x": [1, -1, 0]}}

@@ -13,10 +13,11 @@ from cases.pad_cases import STEEL, pad
 
 import fretfe
 from fretfe.case import case_notes, parse_case
-from fretfe.caution import Caution, Kind, Subject
+from fretfe.caution import Caution, Subject
 from fretfe.errors import CaseError
 from fretfe.evaluate.limits import ModelLimit, with_limit_warnings
 from fretfe.fields.change_of_shape import change_of_shape, doubt_of_unit
+from fretfe.reason import Kind
 
 # Labels of length and force with that of stress, which the case need not name.
 LABELS = [

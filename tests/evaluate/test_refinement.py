@@ -36,10 +36,10 @@ from fretfe.evaluate.resolution import (
     resolves,
     station_values,
 )
-from fretfe.evaluate.withheld import TOLD, Lack, Withheld
 from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import Solution
 from fretfe.idealise import HalfPlaneProblem
+from fretfe.reason import TOLD, Kind, Reason
 
 # Amplitude of the shear; the slip zones of the cycle are a (1 - sqrt(1 - Q/(f P))) (Cattaneo and
 # Mindlin) with a = 1.
@@ -196,7 +196,7 @@ def test_a_contact_that_ends_without_load_has_the_values_of_the_state_that_decid
             each,
             position=np.where(solution.times < solution.times[-1], each.position, math.nan),
             decisive=int(solution.ends[-17]),
-            lack=Withheld(Lack.FEW_NODES, 4, 8),
+            lack=Reason(Kind.FEW_NODES, 4, 8),
         )
         for each in contact.stations
     ]
@@ -333,7 +333,7 @@ def test_borders_without_a_front_get_far_smaller_elements(
     cycled: tuple[Solution, tuple[Contact, ...]],
 ) -> None:
     solution, (contact,) = cycled
-    lack = Withheld(Lack.LOST, 1, 4, "lost")
+    lack = Reason(Kind.LOST, 1, 4, "lost")
     stations = tuple(
         replace(
             unknown_station("front 1", number, len(solution.times), lack),

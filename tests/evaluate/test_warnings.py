@@ -11,13 +11,12 @@ import numpy as np
 import pytest
 
 from fretfe._typing import Array
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Station, fronts_of, unknown_station
 from fretfe.evaluate.evaluate import _sliding
 from fretfe.evaluate.verdicts import longest_verdict
 from fretfe.evaluate.warnings import _beside_fine_mesh, _beside_plane_mesh, _uncertain
-from fretfe.evaluate.withheld import TOLD, Lack, Withheld
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.reason import TOLD, Kind, Reason
 from fretfe.verdict import Verdict
 
 
@@ -65,7 +64,7 @@ def test_mirrored_edges_want_the_fine_mesh_to_reach_as_far() -> None:
 def test_an_edge_without_factors_slips_as_a_whole_where_its_contact_slides() -> None:
     """Bodies part in each cycle, so that K_T is unknown: that was told as no slip zone."""
     solution = cast(Solution, SimpleNamespace(cycle=(1, 3)))
-    station = unknown_station("left", 0, 4, Withheld(Lack.PARTED, 1, 3))
+    station = unknown_station("left", 0, 4, Reason(Kind.NO_CONTACT, 1, 3))
     station = replace(station, k_n=np.full(4, 10.0), k_n_spread=np.full(4, 6.0))
     found = {"fronts": fronts_of([station])}
     assert _sliding(solution, found, 0.0) is found

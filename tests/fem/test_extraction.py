@@ -15,8 +15,8 @@ from cases.pad_cases import HOLD, SLIDING, TOP, pad, press, pull, shear, wave
 from fretfe.analytic.profiles import FlatRounded, Profile, Wedge, composite_modulus, edge_factor_k_n
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.fem.extraction import _tubes
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 BLOCKS = {"upper_width": 20.0, "upper_height": 10.0, "lower_width": 30.0, "lower_height": 30.0}

@@ -21,11 +21,11 @@ from reference.closed_forms import closed_contact
 from fretfe._typing import Array
 from fretfe.backends import find_backend
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.evaluate.limits import ModelLimit
 from fretfe.fem.limits import LARGEST_IMBALANCE, _along_surface, _deformation, depth, imbalance
 from fretfe.history.solution import ContactHistory
 from fretfe.quality.validation import validate
+from fretfe.reason import Kind
 from fretfe.report.page.html import render
 from fretfe.report.page.tables import station_table
 from fretfe.results.model import Result

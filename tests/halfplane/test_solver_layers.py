@@ -13,9 +13,9 @@ from reference.half_plane_collocation import compliance, partial_slip, pressed
 import fretfe
 from fretfe.analytic.profiles import composite_modulus
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.history.solution import OPEN, STICK
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 MODULUS = composite_modulus(210e3, 0.3, 210e3, 0.3)

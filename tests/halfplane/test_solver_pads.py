@@ -10,8 +10,8 @@ from cases.pad_cases import HOLD, PAD, TOP, pad, shear
 
 import fretfe
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.evaluate.verdicts import longest_verdict
+from fretfe.reason import Kind
 from fretfe.verdict import Verdict
 
 

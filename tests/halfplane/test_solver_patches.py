@@ -20,14 +20,13 @@ from cases.halfplane_problems import problem
 from numpy.typing import ArrayLike
 
 from fretfe._typing import Array
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.plane.patches_in_time import separate_patches
 from fretfe.evaluate.step_ends import at_step_ends
-from fretfe.evaluate.withheld import Lack
 from fretfe.halfplane import solver
 from fretfe.history.solution import Solution
+from fretfe.reason import Kind
 
 E_STAR, CURVATURE = 100.0, 0.01
 # The patches of bumps at -1 and 1 merge at this load.
@@ -154,7 +153,7 @@ def test_an_edge_that_did_not_exist_has_no_range() -> None:
             assert np.isnan(station.k_i_range)
             assert station.slip_zones == ()
             assert np.isnan(station.k_t[1:][~existing[1:]]).all()
-        assert {station.lack.kind for station in each.stations} == {Lack.ABSENT}
+        assert {station.lack.kind for station in each.stations} == {Kind.ABSENT}
         unknown = [one for one in each.warnings if one.kind is Kind.FACTORS_UNKNOWN]
         assert unknown and all("the patch exists in " in one.text for one in unknown)
     known = [each for each in contacts if np.isfinite(each.stations[0].k_n[-1])]
@@ -182,7 +181,7 @@ def test_a_patch_that_is_there_but_for_little_load_has_its_range(lowest: float) 
         assert abs(station.k_t_range - truth) < bar < 0.1 * truth
         assert not station.lack.text
     kinds = {station.lack.kind for each in apart for station in each.stations}
-    assert kinds == {Lack.ABSENT}
+    assert kinds == {Kind.ABSENT}
 
 
 def test_shear_at_all_four_edges() -> None:

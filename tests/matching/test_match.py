@@ -40,7 +40,6 @@ from fretfe.analytic.profiles import (
     edge_factor_k_n,
 )
 from fretfe.case import changed, parse_case
-from fretfe.caution import Kind
 from fretfe.cli.app import app
 from fretfe.errors import CaseError, FretfeError, ModelError
 from fretfe.evaluate.contacts import Station
@@ -52,6 +51,7 @@ from fretfe.matching.pads import Factors, PadTest, closed_form, pad_test
 from fretfe.matching.rig import parse_rig
 from fretfe.matching.spreads import numbers_of
 from fretfe.matching.target import read_target
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 E_STAR = composite_modulus(210e3, 0.3, 210e3, 0.3)

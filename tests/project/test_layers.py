@@ -30,6 +30,7 @@ LAYERS = (
     "fretfe.environment",
     "fretfe.plugins",
     "fretfe.faults",
+    "fretfe.reason",
     "fretfe.caution",
     "fretfe.verdict",
     "fretfe.terminal",

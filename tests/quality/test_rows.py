@@ -23,12 +23,12 @@ from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.plane.evaluate import plane_edges
 from fretfe.evaluate.plane.unit_factors import integral_units
 from fretfe.evaluate.verdicts import Judgement, expected_error, judge
-from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.halfplane import solve_half_planes
 from fretfe.loads import History
 from fretfe.quality.companions import MEAN, MESH, START, make_variants, overloaded, shifted
 from fretfe.quality.rows import Place, Row, own_rows
 from fretfe.quality.validation import validate
+from fretfe.reason import Kind, Reason
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
 
@@ -193,7 +193,7 @@ def test_what_is_wrong_fails() -> None:
     whole, station = result.loads, contact.stations[0]
     assert given(replace(whole, cycle=None), station) == {"no cycle"}
     assert given(whole, station) == {"no shear force in the cycle", "no friction"}
-    lost = replace(station, k_range=math.nan, lack=Withheld(Lack.NO_TRACTIONS))
+    lost = replace(station, k_range=math.nan, lack=Reason(Kind.NO_TRACTIONS))
     text = f"ΔK_T of the {station.front} edge is not known: {lost.lack.text}"
     assert given(whole, lost) == {text, "no friction"}
     along = replace(station, k_angle=90.0)

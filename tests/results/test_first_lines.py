@@ -17,12 +17,12 @@ import pytest
 from cases.solid_runs import straight
 from cases.stored_runs import solved
 
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Front, Station, fronts_of, unknown_station
 from fretfe.evaluate.headline import Sentences, Trust
 from fretfe.evaluate.limits import ModelLimit
-from fretfe.evaluate.withheld import Lack, Withheld, lost_front
+from fretfe.evaluate.withheld import lost_front
 from fretfe.quality.ends import write_answer
+from fretfe.reason import Kind, Reason
 from fretfe.report.page.tables import station_table
 from fretfe.report.texts import number, with_error
 from fretfe.results.end_answers import Compared, EndAnswer, Meeting
@@ -184,7 +184,7 @@ def test_contacts_that_slide_as_a_whole_have_a_sentence() -> None:
 
 def test_an_end_at_a_plane_of_symmetry_is_no_edge() -> None:
     def half(station: Station) -> Station:
-        lack = Withheld(Lack.NO_EDGE, words="the bodies go on")
+        lack = Reason(Kind.NO_EDGE, words="the bodies go on")
         return replace(station, lack=lack) if station.front == "left" else station
 
     found = headline(changed(half))
@@ -193,7 +193,7 @@ def test_an_end_at_a_plane_of_symmetry_is_no_edge() -> None:
 
 
 def test_nothing_known_has_its_reason() -> None:
-    lost = Withheld(Lack.NO_TRACTIONS)
+    lost = Reason(Kind.NO_TRACTIONS)
     found = headline(
         changed(
             lambda each: replace(
@@ -207,7 +207,7 @@ def test_nothing_known_has_its_reason() -> None:
 
 def test_of_several_edges_that_is_named_which_needs_the_smallest_elements() -> None:
     def lost(each: Station) -> Station:
-        lack = Withheld(Lack.STEEP, 2 if each.front == "left" else 1, 8)
+        lack = Reason(Kind.STEEP, 2 if each.front == "left" else 1, 8)
         unknown = replace(each, k_n=math.nan * each.k_n, k_t_range=math.nan, k_range=math.nan)
         return replace(unknown, lack=lack, slip_zones=())
 
@@ -246,7 +246,7 @@ def test_fronts_and_contacts_that_cannot_be_followed_are_named_beside_the_worst(
     lack = lost_front(np.zeros(3), 1, 4)
     states = len(result.loads.times)
     stations = tuple(unknown_station("front 2", number, states, lack) for number in range(12))
-    other = replace(contact, name="other", fronts=(), lack=Withheld(Lack.NARROW, 3, 8))
+    other = replace(contact, name="other", fronts=(), lack=Reason(Kind.NARROW, 3, 8))
     both = replace(contact, fronts=(front, Front("front 2", stations, length=3.0)))
     found = headline(replace(result, contacts=(both, other)))
     assert found.worst.startswith("Worst of the fronts that are known: station main.1.1,")
@@ -361,7 +361,7 @@ def find(result: Result, name: str) -> tuple[Contact, Front, Station]:
 
 
 def test_where_nothing_is_known_the_headline_says_why(tmp_path: Path) -> None:
-    lost = Withheld(Lack.NO_TRACTIONS)
+    lost = Reason(Kind.NO_TRACTIONS)
     result = changed(
         lambda each: replace(
             each, k_n=math.nan * each.k_n, k_range=math.nan, lack=lost, slip_zones=()

@@ -15,9 +15,10 @@ from cases.pad_cases import pad
 from cases.stored_runs import CYCLE, write_run
 
 from fretfe.case import parse_case
-from fretfe.caution import Caution, Kind, Subject
+from fretfe.caution import Caution, Subject
 from fretfe.errors import OutputError
 from fretfe.halfplane import solve_half_planes
+from fretfe.reason import Kind
 from fretfe.results.reader import load_result
 from fretfe.results.run_folder import KEY, with_digest
 from fretfe.runner import Runner

@@ -24,10 +24,11 @@ from fretfe._typing import Array, Bools
 from fretfe.api import StrengthMap
 from fretfe.case import Units
 from fretfe.case.units import same_unit
-from fretfe.caution import Caution, Kind, Subject
+from fretfe.caution import Caution, Subject
 from fretfe.errors import CaseError, ConvergenceError
 from fretfe.evaluate.space.evaluate import evaluate_fronts
 from fretfe.evaluate.space.fronts import follow_fronts
+from fretfe.reason import Kind
 from fretfe.strength.fit import LifeFit, fit_life
 from fretfe.strength.lives import read_tests
 
@@ -341,7 +342,7 @@ def test_edges_that_cannot_be_judged(tests: Path) -> None:
     assert fretfe.strength_map(tests, [ended], LIFE).margins[0].reason == "the run is not complete"
     wide = with_edges(lambda edge: replace(edge, k_range_spread=edge.k_range))
     margins = fretfe.strength_map(tests, [wide], LIFE).margins
-    assert "its error bar is more than half of it" in margins[0].reason
+    assert "an error bar of more than half of it" in margins[0].reason
     varying = with_edges(lambda edge: replace(edge, k_i_range=edge.k_t_range))
     (remark,) = fretfe.strength_map(tests, [varying], LIFE).margins[0].edge.remarks
     assert remark == "P varies: f ΔK_I is 40% of ΔK_T, which the tests do not cover"

@@ -12,10 +12,10 @@ from cases.solid_runs import solid_result, surface
 
 from fretfe._typing import Array, Bools
 from fretfe.case import Solid
-from fretfe.caution import Kind
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import BodyMesh, Mesh
+from fretfe.reason import Kind
 from fretfe.surface.mortar import Coupling, couple
 from fretfe.surface.surface import build_surface, rim_edges, rim_nodes
 

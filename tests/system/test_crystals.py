@@ -16,7 +16,6 @@ from dolfinx import fem
 from fretfe._typing import Array
 from fretfe.case import IS_CRYSTAL, Crystal, Solid, parse_case
 from fretfe.case.bodies import Elastic, Orientation
-from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.evaluate.surface_stress import SurfaceLaw, along_surface
 from fretfe.exchange.export import export_tables
@@ -37,6 +36,7 @@ from fretfe.materials.crystals import isotropic as isotropic_stiffness
 from fretfe.materials.material import Material
 from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
+from fretfe.reason import Kind
 from fretfe.report.figures.tractions import SLIP_SYSTEMS, slip_system_plot
 from fretfe.report.source import shown_contacts
 from fretfe.report.texts import number

@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact
 from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.history.solution import STICK, Solution
+from fretfe.reason import Kind
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 

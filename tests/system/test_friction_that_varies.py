@@ -13,9 +13,9 @@ from reference.half_plane_collocation import compliance, partial_slip
 
 import fretfe
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.errors import CaseError
 from fretfe.history.solution import OPEN, SLIP, STICK
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results

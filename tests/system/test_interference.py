@@ -14,9 +14,9 @@ from cases.pad_cases import TOP, cylinder, pad, press, shear
 
 from fretfe._typing import Array
 from fretfe.case import Solid
-from fretfe.caution import Kind
 from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 Solve = Callable[[dict[str, Any]], Result]

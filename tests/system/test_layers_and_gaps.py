@@ -15,8 +15,8 @@ import fretfe
 from fretfe._typing import Array
 from fretfe.analytic.profiles import composite_modulus
 from fretfe.case import parse_case
-from fretfe.caution import Kind
 from fretfe.errors import CaseError
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 from fretfe.results.reader import load_result
 from fretfe.results.writer import write_results

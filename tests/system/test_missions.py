@@ -17,8 +17,9 @@ import pytest
 
 import fretfe
 from fretfe.case import parse_case
-from fretfe.caution import Kind, grouped
+from fretfe.caution import grouped
 from fretfe.loads import CycleChoice
+from fretfe.reason import Kind
 from fretfe.report.page.tables import contact_table
 from fretfe.report.texts import number
 from fretfe.results.model import Result

@@ -14,7 +14,6 @@ from harness.told import Told
 from fretfe._typing import Array
 from fretfe.backends.protocol import DEFAULTS, RunOptions
 from fretfe.case import Solid, parse_case
-from fretfe.caution import Kind
 from fretfe.contact.solve import Repetition
 from fretfe.errors import StoppedError
 from fretfe.evaluate.cycles import STEADY_CHANGE
@@ -22,6 +21,7 @@ from fretfe.fem._compat import MPI
 from fretfe.fem.run import solve
 from fretfe.mesh.extrusion import extrude
 from fretfe.mesh.mesh import Mesh
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 STEPS = 8

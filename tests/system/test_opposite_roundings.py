@@ -14,7 +14,7 @@ import pytest
 
 import fretfe
 from fretfe.case import parse_case
-from fretfe.caution import Kind
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"

@@ -9,9 +9,9 @@ from cases import blocks, sectors
 
 import fretfe
 from fretfe.case import parse_case
-from fretfe.evaluate.withheld import Lack
 from fretfe.mesh.make import write_mesh
 from fretfe.mesh.mesh import Mesh
+from fretfe.reason import Kind
 from fretfe.report.page.html import draw_plots
 from fretfe.report.page.tables import edge_answers, station_table
 from fretfe.report.pictures.looks import plan_pictures
@@ -72,7 +72,7 @@ def test_it_has_the_pressure_of_lame_and_no_edges(fit: fretfe.Result) -> None:
     assert contact.largest_pressure[1] == pytest.approx(lame_pressure(), rel=2e-3)
     assert contact.normal_force[1] == pytest.approx(lame_pressure() * np.pi * SEAT, rel=2e-3)
     assert contact.edges == ()
-    assert [each.lack.kind for each in contact.stations] == [Lack.NO_EDGE] * 2
+    assert [each.lack.kind for each in contact.stations] == [Kind.NO_EDGE] * 2
     assert np.isnan(contact.half_width).all()
     assert contact.dissipation == 0.0 == contact.dissipation_spread  # all of it sticks
     assert contact.warnings == () and fit.faults == ()

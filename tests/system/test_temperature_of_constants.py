@@ -11,7 +11,8 @@ import numpy as np
 import pytest
 from cases.pad_cases import as_field, cylinder, pad, press, shear
 
-from fretfe.caution import Caution, Kind
+from fretfe.caution import Caution
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 Solve = Callable[[dict[str, Any]], Result]

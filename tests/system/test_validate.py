@@ -9,10 +9,10 @@ import pytest
 
 from fretfe.backends import find_backend
 from fretfe.case import load_case, parse_case
-from fretfe.caution import Kind
 from fretfe.quality.companions import MESH, START
 from fretfe.quality.rows import Row
 from fretfe.quality.validation import Validation, validate
+from fretfe.reason import Kind
 
 DEMO = Path(__file__).parents[2] / "demos" / "dovetail.toml"
 

@@ -15,8 +15,8 @@ from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.loaded import evaluated_states
 from fretfe.evaluate.plane.pressure_fit import why_no_root
 from fretfe.evaluate.plane.section import main_patch, plane_front
-from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.reason import Kind, Reason
 
 
 def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> Station:
@@ -45,19 +45,19 @@ def with_lack(solution: Solution, contact: ContactHistory, station: Station) -> 
     return replace(station, lack=_reason(contact, station, states))
 
 
-def _reason(contact: ContactHistory, station: Station, states: Indices) -> Withheld:
+def _reason(contact: ContactHistory, station: Station, states: Indices) -> Reason:
     """Of several reasons the one behind the others."""
     nodes, existing = contact.nodes_pressed_in(states), contact.exists[states]
     if not existing.all():
-        return Withheld(Lack.ABSENT, int(np.count_nonzero(existing)), len(states))
+        return Reason(Kind.ABSENT, int(np.count_nonzero(existing)), len(states))
     touching = int(np.count_nonzero(nodes))
     if touching < len(states):
-        return Withheld(Lack.PARTED, touching, len(states))
+        return Reason(Kind.NO_CONTACT, touching, len(states))
     if nodes.min() < WANTED_NODES:
-        return Withheld(Lack.FEW_NODES, int(nodes.min()), WANTED_IN_CONTACT)
+        return Reason(Kind.FEW_NODES, int(nodes.min()), WANTED_IN_CONTACT)
     unknown = states[~np.isfinite(station.k_n[states])]
     if not len(unknown):
-        return Withheld(Lack.NO_TRACTIONS)
+        return Reason(Kind.NO_TRACTIONS)
     state = station.decisive if station.decisive in unknown else unknown[-1]
     pressure = contact.traction[state, :, 0]
     patch = main_patch(contact.surface.arc, pressure)

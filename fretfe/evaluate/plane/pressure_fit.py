@@ -28,7 +28,7 @@ from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.edge_zone import WANTED_TO_PEAK
 from fretfe.evaluate.numerics import FARTHEST, HIGHEST, average, edge_terms, weighted_triangles
 from fretfe.evaluate.plane.section import Patch, PlaneFront, Section
-from fretfe.evaluate.withheld import Lack, Withheld
+from fretfe.reason import Kind, Reason
 
 ALTERNATING = 0.8
 DECAY = 0.95
@@ -281,7 +281,7 @@ def _lengths(longest: int) -> Positions:
     return np.array(lengths)
 
 
-def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> Withheld:
+def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> Reason:
     """Reason why the pressure next to an edge has no fit.
 
     Args:
@@ -292,9 +292,9 @@ def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> W
     """
     outermost = front.outermost(patch)
     if front.from_front(np.arange(len(x)))[0] == outermost:
-        return Withheld(Lack.SURFACE_ENDS)
+        return Reason(Kind.SURFACE_ENDS)
     # In contact from the edge to the largest pressure on its side of the patch.
     inward = front.from_front(pressure[patch.first : patch.last + 1])
     nodes = int(np.argmax(inward[: (len(inward) + 1) // 2])) + 1
-    kind = Lack.STEEP if nodes < WANTED_TO_PEAK else Lack.NO_ROOT
-    return Withheld(kind, nodes, WANTED_TO_PEAK)
+    kind = Kind.STEEP if nodes < WANTED_TO_PEAK else Kind.NO_ROOT
+    return Reason(kind, nodes, WANTED_TO_PEAK)

@@ -14,13 +14,13 @@ import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront
-from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import StateArray, blocks
+from fretfe.reason import Kind, Reason
 
 # Of a station where there is none.
-NO_EDGE = Withheld(
-    Lack.NO_EDGE, words="both bodies go on behind this end of the surface: there is no edge"
+NO_EDGE = Reason(
+    Kind.NO_EDGE, words="both bodies go on behind this end of the surface: there is no edge"
 )
 
 

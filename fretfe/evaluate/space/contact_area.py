@@ -10,8 +10,8 @@ import numpy as np
 
 from fretfe._typing import Bools
 from fretfe.evaluate.space.sectors import outlines
-from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.history.solution import ContactHistory
+from fretfe.reason import Kind, Reason
 
 # Edges between nodes in contact and nodes outside that an outline has at least: a closed one might
 # go round a node that happens to be open.
@@ -23,27 +23,27 @@ WANTED_ACROSS = {True: 14, False: 8}
 LEFT = 0.05
 
 
-def why_no_fronts(contact: ContactHistory, state: int) -> Withheld:
+def why_no_fronts(contact: ContactHistory, state: int) -> Reason:
     """Reason why a contact has no fronts in a state."""
     assert contact.surface.facets is not None
     *_, area = contact_areas(contact, state)
     if not area.any():
-        return Withheld(Lack.PARTED, 0, 1)
+        return Reason(Kind.NO_CONTACT, 0, 1)
     lines = outlines(contact.surface.facets, area)
     if not lines or contact.surface.weights[~area].sum() < LEFT * contact.surface.weights.sum():
-        return Withheld(Lack.NO_BORDER)
+        return Reason(Kind.NO_BORDER)
     line = lines[0]
     width, size = _width(contact, area, closed=line.closed)
     elements = round(width / size) if size > 0 else 0
     wanted = WANTED_ACROSS[line.closed]
     if elements < wanted:
-        return Withheld(Lack.NARROW, elements, wanted)
+        return Reason(Kind.NARROW, elements, wanted)
     ends = line.middles(contact.surface.points)[[0, -1]]
     if not line.closed and np.linalg.norm(ends[1] - ends[0]) < width:
-        return Withheld(Lack.CUT, round(float(np.linalg.norm(ends[1] - ends[0])) / size), elements)
+        return Reason(Kind.CUT, round(float(np.linalg.norm(ends[1] - ends[0])) / size), elements)
     if len(line.inside) < FEWEST_CROSSED[line.closed]:
-        return Withheld(Lack.SHORT_BORDER, len(line.inside), FEWEST_CROSSED[line.closed])
-    return Withheld(Lack.NO_CURVE, elements)
+        return Reason(Kind.SHORT_BORDER, len(line.inside), FEWEST_CROSSED[line.closed])
+    return Reason(Kind.NO_CURVE, elements)
 
 
 def _width(contact: ContactHistory, area: Bools, *, closed: bool) -> tuple[float, float]:

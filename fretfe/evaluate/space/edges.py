@@ -23,9 +23,9 @@ from fretfe.evaluate.space.range_spread import unresolved
 from fretfe.evaluate.space.sectors import Frames
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.stations import EdgeData, MovedEdge
-from fretfe.evaluate.withheld import Lack, Withheld
 from fretfe.faults import Fault
 from fretfe.history.solution import ContactHistory
+from fretfe.reason import Kind, Reason
 
 # The front of a discrete contact area may lie anywhere in an element: half of it, and some more for
 # what its nodes do.
@@ -139,7 +139,7 @@ class FrontEdges(EdgeData):
         """The station with its place along the front, and what that makes of the contact there."""
         front, frames = self.track.front, self.track.front.frames
         length = self._length(number)
-        lack = Withheld(Lack.FREE_END) if front.copied[number] else station.lack
+        lack = Reason(Kind.FREE_END) if front.copied[number] else station.lack
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
         return replace(
             station,

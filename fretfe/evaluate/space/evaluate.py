@@ -25,8 +25,8 @@ from fretfe.evaluate.space.fronts import FrontTrack, LostFront, lost_fronts
 from fretfe.evaluate.space.half_spaces import half_space_ratios
 from fretfe.evaluate.space.patches import follow_patches
 from fretfe.evaluate.space.slip import SlipBetween
-from fretfe.evaluate.withheld import TOLD
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.reason import TOLD
 
 # P adds nothing to K_T between unlike bodies at the length of a strip's width, and at so much less
 # within a circle (Mossakovskii 1954: at half of the radius).

@@ -30,8 +30,9 @@ from fretfe.evaluate.space.sectors import (
     Sectors,
     outlines,
 )
-from fretfe.evaluate.withheld import Withheld, lost_front
+from fretfe.evaluate.withheld import lost_front
 from fretfe.history.solution import ContactHistory, Solution
+from fretfe.reason import Reason
 
 # Passes: each measures distances from the curve through the points that the one before found.
 PASSES = 3
@@ -155,7 +156,7 @@ class LostFront:
     frames: Frames
     sizes: Array
     node: int
-    lack: Withheld
+    lack: Reason
 
 
 class FrontFinder:

@@ -29,6 +29,7 @@ from fretfe.evaluate.factors import whole_factor
 from fretfe.evaluate.loaded import loaded, normal_force
 from fretfe.evaluate.plane.slip import INTERVAL, UNSEEN, slip_border
 from fretfe.evaluate.space.pressure_fit import load_growth
+from fretfe.evaluate.withheld import withheld
 from fretfe.history.solution import ContactHistory, Solution
 from fretfe.local.batches import Share, solve_batches, solve_edges
 from fretfe.local.half_planes import Contacts, work_share
@@ -761,8 +762,8 @@ def _unposed(station: Station) -> str:
         return "within a local length of a free end, where the fields are not those of an edge"
     if not station.friction > 0:
         return "there is no friction"
-    if not math.isfinite(station.reported_k_n):
-        return "K_N is not known, or has an error bar of more than half of it"
+    if reason := withheld(station, ranged=False):
+        return reason.text
     if not station.slip_zones:
         return "K_T and K_S are unknown, or do not vary"
     driven = station.k_range > 0 or station.turning > LARGEST_TURNING

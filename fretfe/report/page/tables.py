@@ -20,7 +20,7 @@ from fretfe.evaluate.edge_tractions import edge_nodes
 from fretfe.evaluate.headline import shown_stations
 from fretfe.evaluate.refinement import KINDS, Refinement
 from fretfe.evaluate.verdicts import Judgement, judge, longest_verdict
-from fretfe.evaluate.withheld import Lack
+from fretfe.reason import Kind
 from fretfe.report.page.ends import end_lines
 from fretfe.report.texts import (
     MISSING,
@@ -503,7 +503,7 @@ def _end_text(run: Result, named: Sequence[tuple[Contact, Front]]) -> str:
         contact, front, station = max(
             ends, key=lambda each: np.nanmax([-1.0, *(s.k_range for s in each[1].judged)])
         )
-    short = [each[2].to_end for each in ends if each[2].lack.kind is Lack.FREE_END]
+    short = [each[2].to_end for each in ends if each[2].lack.kind is Kind.FREE_END]
     if short:
         texts.append(
             f"Nearer to free ends than {number(max(short), 2)} {run.unit('length')} |ΔK| is "

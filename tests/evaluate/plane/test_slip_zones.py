@@ -11,7 +11,6 @@ import pytest
 from cases.edge_histories import edge_history
 
 from fretfe.analytic._numerics import Side
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import StationHistory
 from fretfe.evaluate.cycles import reversals
 from fretfe.evaluate.edge_memory import EdgeMemory
@@ -22,6 +21,7 @@ from fretfe.evaluate.plane.slip import slip_border_of
 from fretfe.evaluate.slip import SlipBorder, slip_in_steps, slip_zones
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
+from fretfe.reason import Kind
 from fretfe.surface.contact_surface import ContactSurface
 from fretfe.surface.friction import Friction
 

@@ -13,7 +13,6 @@ import pytest
 from cases import solid_runs
 
 from fretfe._typing import Array, Indices
-from fretfe.caution import Kind
 from fretfe.evaluate.contacts import Contact, Front, RangeSpread, SlipZone
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.slip import SlipBorder
@@ -23,8 +22,10 @@ from fretfe.evaluate.space.fronts import AREAS, follow_fronts, nested_areas
 from fretfe.evaluate.space.sectors import outlines
 from fretfe.evaluate.space.slip import SlipBetween, shear_share
 from fretfe.evaluate.step_ends import StepEnds
-from fretfe.evaluate.verdicts import beside_nodes, judge, longest_verdict, withheld
+from fretfe.evaluate.verdicts import beside_nodes, judge, longest_verdict
+from fretfe.evaluate.withheld import withheld
 from fretfe.history.solution import SLIP, STICK, ContactHistory, Solution
+from fretfe.reason import Kind
 from fretfe.surface.friction import Friction
 from fretfe.verdict import Verdict
 
@@ -488,21 +489,21 @@ def test_nodes_whose_slip_turns_deny_no_plane_problem() -> None:
 def test_what_is_missing_has_a_reason() -> None:
     (front,) = fronts(*grid(), [hertz(1.0, 1.0)])
     station = replace(front.stations[0], k_range=100.0, k_range_spread=2.0, slip_zones=())
-    assert withheld(station) == ""
+    assert withheld(station).text == ""
     assert longest_verdict(station).verdict == Verdict.UNKNOWN
     idle = replace(station, k_range=0.0, k_range_spread=0.0)
     assert longest_verdict(idle).verdict == Verdict.NO_ZONE
     parts = RangeSpread(extraction=1.0, discretisation=70.0, steps=20.0)
     wide = replace(station, k_range_spread=parts.total, k_range_parts=parts)
-    assert "100 ± 73, an error bar of more than half of it: the front is" in withheld(wide)
+    assert "100 ± 73, an error bar of more than half of it: the front is" in withheld(wide).text
     assert longest_verdict(wide).verdict == "unknown"
-    assert longest_verdict(wide).reason == withheld(wide)
+    assert longest_verdict(wide).reason == withheld(wide).text
     lost = replace(station, k_range=np.nan, k_t=np.array([0.0, np.nan]), k_s=np.zeros(2))
-    assert "unknown in 1 of 2 states, last in state 1" in withheld(lost)
+    assert "unknown in 1 of 2 states, last in state 1" in withheld(lost).text
     blind = replace(station, k_n=np.full(2, np.nan))
-    assert withheld(blind) == "K_N is not known, since the pressure next to the front has no fit"
+    assert withheld(blind).text == "K_N unknown, because the pressure next to the front has no fit"
     unsure = replace(station, k_range_spread=np.nan, k_range_parts=replace(parts, steps=np.nan))
-    assert "has no error bar (steps)" in withheld(unsure)
+    assert "has no error bar (steps)" in withheld(unsure).text
 
 
 def test_a_contact_that_nearly_slides_says_why_factors_are_missing() -> None:

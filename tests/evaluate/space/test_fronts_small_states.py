@@ -10,11 +10,10 @@ import pytest
 from evaluate.space.test_evaluate import SIZE, STATIONS, grid, hertz, solved
 
 from fretfe._typing import Array
-from fretfe.caution import Kind
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.space.fronts import BY_OUTLINE, OUTSIDE, FrontTrack, follow_fronts
-from fretfe.evaluate.withheld import Lack
 from fretfe.history.solution import Solution
+from fretfe.reason import Kind
 
 # Radii of spheres with a fixed p0/a in turn, as P goes up and down: 6, 14 and 5 elements.
 RADII = (0.44, 1.0, 0.36)
@@ -61,7 +60,7 @@ def test_numbers_are_those_of_the_largest_contact_and_say_so(
     solution, track = case
     (contact,) = evaluate(solution, tracks={"main": (track,)})
     known: Array = np.array([station.decisive_k_n for station in contact.stations])
-    assert contact.lack.kind is Lack.NARROW
+    assert contact.lack.kind is Kind.NARROW
     assert {(station.first, station.last) for station in contact.stations} == {(1, 2)}
     assert np.all(np.abs(known[:, 0] - np.sqrt(2)) < known[:, 1])
     (found,) = (each for each in contact.warnings if each.kind is Kind.NO_FRONTS)
@@ -81,4 +80,4 @@ def test_a_flight_that_ends_with_next_to_nothing_is_told_where_it_is_loaded(
     assert track.state == 2
     np.testing.assert_array_equal(track.fit.k_n[2], known.fit.k_n[2])
     (found,) = evaluate(replace(solution, contacts=(ended,)), tracks={"main": (track,)})
-    assert found.lack.kind is Lack.NOTHING
+    assert found.lack.kind is Kind.NOTHING

@@ -11,11 +11,11 @@ import pytest
 from evaluate.space.test_evaluate import SIZE, STATIONS, Field, grid, hertz, solved
 
 from fretfe._typing import Array
-from fretfe.caution import Kind, Subject
+from fretfe.caution import Subject
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.evaluate.space.contact_area import why_no_fronts
 from fretfe.evaluate.space.fronts import follow_fronts, lost_fronts
-from fretfe.evaluate.withheld import Lack
+from fretfe.reason import Kind
 
 
 @pytest.mark.parametrize("share", [0.0, 0.2, 0.5])
@@ -77,18 +77,18 @@ def test_borders_with_fronts_are_not_lost(field: Field) -> None:
     assert tracks and not lost_fronts(solution, contact, tracks)
 
 
-REASONS: dict[str, tuple[Field, Lack, str]] = {
-    "narrow": (hertz(0.3, 0.3), Lack.NARROW, r"about \d+ elements over its width, 14 are wanted"),
-    "filled": (hertz(9.0, 9.0), Lack.NO_BORDER, "let the surfaces reach farther"),
-    "corner open": (corner, Lack.CUT, r"to a length of \d+ elements, less than its width"),
-    "sharp": (punch(0.8), Lack.NO_CURVE, "At a sharp corner there is no K_N"),
+REASONS: dict[str, tuple[Field, Kind, str]] = {
+    "narrow": (hertz(0.3, 0.3), Kind.NARROW, r"about \d+ elements over its width, 14 are wanted"),
+    "filled": (hertz(9.0, 9.0), Kind.NO_BORDER, "let the surfaces reach farther"),
+    "corner open": (corner, Kind.CUT, r"to a length of \d+ elements, less than its width"),
+    "sharp": (punch(0.8), Kind.NO_CURVE, "At a sharp corner there is no K_N"),
 }
 
 
 @pytest.mark.parametrize(("field", "kind", "words"), REASONS.values(), ids=REASONS)
-def test_a_contact_without_fronts_says_why(field: Field, kind: Lack, words: str) -> None:
+def test_a_contact_without_fronts_says_why(field: Field, kind: Kind, words: str) -> None:
     solution, contact = solved(*grid(), [field])
-    assert kind is Lack.CUT or not follow_fronts(solution, contact, STATIONS)
+    assert kind is Kind.CUT or not follow_fronts(solution, contact, STATIONS)
     found = why_no_fronts(contact, 1)
     assert found.kind is kind
     assert re.search(words, found.text)

@@ -603,7 +603,7 @@ def test_normal_load_that_varies_moves_the_edge(bare: Result) -> None:
     ("values", "reason"),
     [
         ({"end": True}, "within a local length of a free end"),
-        ({"k_n": np.full(100, np.nan)}, "K_N is not known"),
+        ({"k_n": np.full(100, np.nan)}, "K_N unknown, because"),
         ({"slip_zones": ()}, "K_T and K_S are unknown, or do not vary"),
         ({"depth": math.nan}, "the width of the contact is not known"),
         ({"depth": 0.05}, "all of the contact would slide"),
