@@ -23,7 +23,7 @@ from fretfe.evaluate.contacts import Contact, Station
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 from fretfe.materials.moduli import normal_modulus
-from fretfe.reason import Kind
+from fretfe.reason import Kind, joined
 from fretfe.report.texts import beyond
 from fretfe.verdict import Verdict
 
@@ -85,7 +85,7 @@ class ModelLimit:
     @property
     def consequence(self) -> str:
         """Consequence of going beyond the limit, with what to do."""
-        return ": ".join(filter(None, (self.detail, self.kind.remedy)))
+        return joined(self.detail, self.kind.remedy)
 
     @property
     def exceeded(self) -> bool:
@@ -117,7 +117,7 @@ class ModelLimit:
         """The quantity, and by how much it is too large or small."""
         kind, found = self.kind, beyond(self.found, self.limit)
         text = f"outside the model: {self.quantity} is {found}, expected at most {self.limit:g}"
-        text = ": ".join(filter(None, (text, self.detail)))
+        text = joined(text, self.detail)
         if self.doubtful:
             kind = Kind.UNITS
             text = (

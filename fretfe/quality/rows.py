@@ -30,7 +30,7 @@ from fretfe.evaluate.verdicts import (
     judge,
     longest_verdict,
 )
-from fretfe.evaluate.withheld import k_n_lack, range_lack, withheld
+from fretfe.evaluate.withheld import k_n_lack, range_lack
 from fretfe.mesh.mesh import Mesh
 from fretfe.results.model import Result
 from fretfe.verdict import Verdict
@@ -421,15 +421,14 @@ def _front_rows(contact: Contact, front: Front) -> Iterator[Row]:
     if not stations:
         yield at.missing("stations", "all of them are near its ends")
         return
-    told = {"K_N": numbers(stations, lambda each: each.reported_k_n)}
+    told = {"K_N": k_n_lack}
     if np.isfinite(contact.cycle_change):
-        told["ΔK"] = numbers(stations, lambda each: each.reported_range)
-    for quantity, values in told.items():
-        unknown = np.count_nonzero(np.isnan(values))
-        if unknown > (1 - WITHIN) * len(values):
-            reasons = [each.text for station in stations if (each := withheld(station))]
+        told["ΔK"] = range_lack
+    for quantity, lack in told.items():
+        reasons = [each.text for station in stations if (each := lack(station))]
+        if len(reasons) > (1 - WITHIN) * len(stations):
             text = (
-                f"not known to within half of it at {unknown} of {len(values)} stations, as "
+                f"not known to within half of it at {len(reasons)} of {len(stations)} stations, as "
                 f"{reasons[len(reasons) // 2]}"
             )
             yield at.missing(quantity, text, Verdict.UNKNOWN)

@@ -41,7 +41,7 @@ ROOM_LINES = {
     "matching": 1121,
     "materials": 226,
     "mesh": 5898,
-    "quality": 2134,
+    "quality": 2133,
     "report": 3811,
     "results": 2060,
     "strength": 885,

@@ -27,6 +27,7 @@ from fretfe.quality.companions import (
 )
 from fretfe.quality.rows import Pairs, Place, Row, own_rows
 from fretfe.quality.validation import plan
+from fretfe.reason import Kind
 from fretfe.results.model import Result
 
 
@@ -232,3 +233,11 @@ def test_plan_tells_number_time_and_memory(circle: Front) -> None:
     variants, reasons = make_variants(case, result)
     assert {*(each.name for each in variants), *reasons} == {MEAN, START, MESH}
     assert plan([], result) == "no companions"
+
+
+def test_each_number_of_a_front_has_a_reason_of_its_own(circle: Front) -> None:
+    stations = (replace(each, k_n_spread=0.7 * each.k_n) for each in circle.stations)
+    front = replace(circle, stations=tuple(stations))
+    rows = {row.quantity: row for row in own_rows(result_with(front))}
+    assert rows["K_N"].reason.endswith(f"stations, as {Kind.WIDE_BAR.seen}")
+    assert "K_N" not in rows["ΔK"].reason and Kind.WIDE_BAR.seen not in rows["ΔK"].reason
