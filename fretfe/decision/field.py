@@ -38,6 +38,7 @@ from fretfe.evaluate.stress import SHALLOW, StressHistory, judged_states
 from fretfe.evaluate.withheld import withheld
 from fretfe.history.solution import ContactHistory
 from fretfe.materials.moduli import plane_modulus
+from fretfe.reason import Kind, Reason
 from fretfe.results.model import Result
 
 # Relative error of the stress of tractions within an element of the edge, as of `_finest`.
@@ -235,9 +236,9 @@ def edge_field(
         states = judged_states(result.solution, result.contacts)
     place = edge_places(contact, station, states)
     if not np.isfinite(place).all():
-        return "its place is not known in all states of the cycle with contact"
+        return Kind.NO_PLACE.seen
     if history is None and not result.solution.keeps(int(states[0]), int(states[-1])):
-        return "the tractions of some states of the cycle are not kept"
+        return Kind.NOT_KEPT.seen
     side = Side(number, station.inward, float(np.min(station.inward * place)))
     tractions = _tractions(result, contact, states, side, history)
     near = tractions.near(np.zeros(1))
@@ -275,17 +276,15 @@ def error_of_tractions(station: Station) -> float:
 def _obstacle(result: Result, contact: Contact, station: Station) -> str:
     """Reason why the stress is not known, or an empty text."""
     pair = _pair(result, contact)
-    if contact.solid or pair.surface.frames.shape[1] > len(pair.surface.points[0]):
-        return "the bodies are solids, or move along z"
-    if result.failure is not None:
-        return "the run is not complete"
-    if not all(isotropic(result.case.bodies[each]) for each in (pair.body1, pair.body2)):
-        return "a body is a crystal"
-    if reason := withheld(station, ranged=False):
-        return reason.text
-    if result.backend != "halfplane" and not result.has_stress:
-        return "the run has no stress of the bodies: [output] stress_depths asks for it"
-    return ""
+    moves = pair.surface.frames.shape[1] > len(pair.surface.points[0])
+    checks = {
+        Kind.NOT_PLANE: contact.solid or moves,
+        Kind.INCOMPLETE: result.failure is not None,
+        Kind.CRYSTAL: not all(isotropic(result.case.bodies[n]) for n in (pair.body1, pair.body2)),
+    }
+    unstressed = result.backend != "halfplane" and not result.has_stress
+    found = Reason.first(checks) or withheld(station, ranged=False)
+    return (found or Reason.first({Kind.NO_STRESS: unstressed})).text
 
 
 def edgeless(contact: Contact) -> str:

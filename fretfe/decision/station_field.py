@@ -25,6 +25,7 @@ from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.space.local import PlaneTractions, plane_tractions
 from fretfe.evaluate.withheld import withheld
 from fretfe.history.solution import ContactHistory
+from fretfe.reason import Kind, Reason
 from fretfe.results.model import Result
 from fretfe.results.station_stress import StationStress
 
@@ -84,31 +85,23 @@ def _key(station: Station) -> tuple[str, int]:
 
 def _obstacle(result: Result, pair: ContactHistory) -> str:
     """Reason why no stress is known, or an empty text."""
-    if result.failure is not None:
-        return "the run is not complete"
-    if not all(isotropic(result.case.bodies[each]) for each in (pair.body1, pair.body2)):
-        return "a body is a crystal"
-    if pair.surface.dundurs:
-        return "the bodies are of unlike materials"
-    if result.solution.cycle is None:
-        return "no cycle is evaluated"
-    first, last = result.loads.evaluated
-    if not result.solution.keeps(first, last):
-        return "the tractions of some states of the cycle are not kept"
-    if not result.has_station_stress:
-        return "the run has no stress of the bodies: [output] stress_depths asks for it"
-    return ""
+    bodies = (result.case.bodies[each] for each in (pair.body1, pair.body2))
+    checks = {
+        Kind.INCOMPLETE: result.failure is not None,
+        Kind.CRYSTAL: not all(map(isotropic, bodies)),
+        Kind.UNLIKE: bool(pair.surface.dundurs),
+        Kind.NO_CYCLE: result.solution.cycle is None,
+        Kind.NOT_KEPT: not result.solution.keeps(*result.loads.evaluated),
+        Kind.NO_STRESS: not result.has_station_stress,
+    }
+    return Reason.first(checks).text
 
 
 def _lack(station: Station, stress: StationStress) -> str:
     """Reason why the stress at a station is not known, or an empty text."""
-    if station.end:
-        return "within a local length of a free end, where the fields are not those of an edge"
-    if reason := withheld(station, ranged=False):
-        return reason.text
-    if stress.row(*_key(station)) is None:
-        return "its place is not known in all states of the cycle with contact"
-    return ""
+    lost = stress.row(*_key(station)) is None
+    found = Reason.first({Kind.NEAR_END: station.end}) or withheld(station, ranged=False)
+    return (found or Reason.first({Kind.NO_PLACE: lost})).text
 
 
 def _edge_places(contact: Contact, station: Station, stress: StationStress) -> Array:

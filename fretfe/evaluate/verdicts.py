@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from fretfe.evaluate.contacts import LARGEST_SPREAD, LARGEST_TURNING, SlipZone, Station
 from fretfe.evaluate.withheld import with_bar, withheld
 from fretfe.faults import guarded
+from fretfe.reason import Kind
 from fretfe.report.texts import rounded
 from fretfe.verdict import Verdict
 
@@ -280,10 +281,7 @@ def _known(spread: float) -> str:
 def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     """Judgement where there is nothing to compare; None where there is."""
     if station.end:
-        return Judgement(
-            Verdict.END,
-            "within a local length of a free end, where the fields are not those of an edge",
-        )
+        return Judgement(Verdict.END, Kind.NEAR_END.seen)
     if zone.across > LARGEST_ACROSS:
         return Judgement(
             Verdict.NO_VERDICT,

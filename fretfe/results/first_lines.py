@@ -268,9 +268,9 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     if lost_ones := _lost(run):
         yield f"nothing is known of {places(lost_ones)}, which may be worse"
     if run.failure is not None:
-        yield "the run is not complete"
+        yield Kind.INCOMPLETE.seen
     elif run.loads.cycle is None and station.friction != 0 and math.isnan(station.largest_range):
-        yield "there is no evaluated cycle"
+        yield Kind.NO_CYCLE.seen
     elif math.isfinite(contact.cycle_change) and not contact.steady:
         yield "the cycle is not steady"
     met = meeting_at(run, contact.name_of(station))

@@ -156,11 +156,11 @@ def _bodies(result: Result, pair: str) -> tuple[AnyBody, ...]:
 def _obstacles(result: Result, edge: Station) -> Iterator[str]:
     """Reasons of the run, which another one may not have."""
     if result.failure is not None:
-        yield "the run is not complete"
+        yield Kind.INCOMPLETE.seen
     if reason := withheld(edge, ranged=result.loads.cycle is not None):
         yield reason.text
     if result.loads.cycle is None:
-        yield "there is no evaluated cycle"
+        yield Kind.NO_CYCLE.seen
     elif edge.reported_range == 0:
         yield "ΔK_T is zero"
 

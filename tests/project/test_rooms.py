@@ -28,8 +28,8 @@ ROOM_LINES = {
     "case": 2959,
     "cli": 1558,
     "contact": 2286,
-    "decision": 1995,
-    "evaluate": 8574,
+    "decision": 1985,
+    "evaluate": 8571,
     "exchange": 2114,
     "fem": 4136,
     "fields": 1126,
@@ -47,7 +47,7 @@ ROOM_LINES = {
     "strength": 885,
     "surface": 1219,
     "sweeps": 564,
-    "top": 1719,
+    "top": 1687,
 }
 SLACK = 1.05
 LONGEST = 500

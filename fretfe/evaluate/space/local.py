@@ -42,6 +42,7 @@ from fretfe.local.problem import (
     Tractions,
 )
 from fretfe.materials.moduli import half_plane
+from fretfe.reason import Kind
 
 # Smallest half-width over that of the reference state with which a history can be followed.
 NARROWEST = 0.2
@@ -759,7 +760,7 @@ def _unposed(station: Station) -> str:
     if station.lack.whole:
         return station.lack.text
     if station.end:
-        return "within a local length of a free end, where the fields are not those of an edge"
+        return Kind.NEAR_END.seen
     if not station.friction > 0:
         return "there is no friction"
     if reason := withheld(station, ranged=False):
