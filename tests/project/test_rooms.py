@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1558,
     "contact": 2286,
     "decision": 1985,
-    "evaluate": 8571,
+    "evaluate": 8600,
     "exchange": 2114,
     "fem": 4136,
     "fields": 1126,
