@@ -15,6 +15,9 @@ from fretfe.history.solution import Factor
 
 # Factors of drivers cancel one another where their sum is less than this part of its terms.
 CANCELS = 0.3
+# Part of its largest hold up to which an edge between bodies with elements counts as parted: with
+# less, what sums of increments miss of the shear would be all that friction takes.
+VANISHING = 0.05
 
 
 @dataclass(frozen=True)
@@ -88,6 +91,19 @@ def returned(
     most = max((abs(float(left[slice(*each)].sum())) for each in cycles), default=0.0)
     swing = float(np.nanmax(shear, initial=-np.inf) - np.nanmin(shear, initial=np.inf))
     return replace(loads, shear=shear, loose=most / swing if swing > 0 else 0.0)
+
+
+def without_traces(loads: EdgeLoads) -> EdgeLoads:
+    """Loads of an edge without what its hold and shear are where that counts as parted.
+
+    The shear is that in the state of the least hold among them: both vanish together.
+    """
+    vanishes = loads.hold <= VANISHING * np.nanmax(loads.hold, initial=0.0)
+    shear, runs = loads.shear.copy(), np.cumsum(np.diff(vanishes, prepend=False))
+    for run in np.unique(runs[vanishes]):
+        states = np.flatnonzero(runs == run)
+        shear[states] = loads.shear[states[np.argmin(loads.hold[states])]]
+    return replace(loads, hold=np.where(vanishes, 0.0, loads.hold), shear=shear)
 
 
 def unlike_loads(k_i: Array, along: Array, touching: Bools, most: float) -> EdgeLoads:

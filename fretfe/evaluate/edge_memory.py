@@ -455,7 +455,8 @@ class EdgeMemory:
         known = lengths[np.isfinite(lengths)]
         # That all slides in the end does not count if little is left of its zone by then.
         little = len(known) > 0 and known[-1] < LEFT_BEHIND * known.max()
-        lengths = np.nan_to_num(lengths, nan=0.0 if little else math.inf)
+        slides = (fronts <= 0) & (not little)
+        lengths = np.where(slides, math.inf, np.nan_to_num(lengths))
         inner = int(np.flatnonzero(fronts <= fronts[-1])[0])
         deepest = int(begins[inner]), int(states[inner])
         while True:
@@ -465,7 +466,7 @@ class EdgeMemory:
             if driven <= front:
                 break
             # A loop that closes touches an older front: that is not how far its slip comes.
-            fronts[at], lengths[at] = driven, np.nan_to_num(self.length(end, driven), nan=math.inf)
+            fronts[at], lengths[at] = driven, np.nan_to_num(self.length(end, driven))
         length = self.length(end, front) if self.knows(front, start) else math.nan
         return HalfCycle(start, turn, end, way, front, length, deepest)
 

@@ -26,7 +26,7 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads
+from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads, without_traces
 from fretfe.evaluate.edge_memory import EdgeMemory, FindPath
 from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
@@ -50,10 +50,6 @@ from fretfe.evaluate.verdicts import FLANK
 from fretfe.faults import Fault, guarded
 from fretfe.history.solution import Factor
 from fretfe.reason import Kind, Reason
-
-# Part of its largest hold up to which an edge between bodies with elements counts as parted: with
-# less, what sums of increments miss of the shear would be all that friction takes.
-VANISHING = 0.05
 
 
 @dataclass(frozen=True)
@@ -382,9 +378,7 @@ class EdgeData(ABC):
         short = np.where(np.isfinite(least), least / found.unit - found.hold, 0.0)
         lift = max(float(short[most_loaded(self.force, np.arange(self.last + 1))]), 0.0)
         hold = np.where(touching, found.hold + lift, found.hold)
-        vanishes = hold <= VANISHING * np.nanmax(hold, initial=0.0)
-        shear = _at_least(found.shear, hold, vanishes)
-        return replace(found, hold=np.where(vanishes, 0.0, hold), shear=shear)
+        return without_traces(replace(found, hold=hold))
 
     def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
         """Largest half cycles of the evaluated cycle, and of the whole history."""
@@ -469,23 +463,6 @@ def _acting(friction: Array, state: int) -> float:
     """Coefficient in a state, after pressing without friction that of the last state with it."""
     acting = friction[friction > 0]
     return float(friction[state] or (acting[-1] if len(acting) else 0.0))
-
-
-def _at_least(shear: Array, hold: Array, vanishes: Bools) -> Array:
-    """(T,) shear of an edge, in states that count as parted that of the least hold among them.
-
-    It goes with the hold: what is left of it beside none would make all slide.
-
-    Args:
-        shear: (T,) of the edge.
-        hold: (T,) of it.
-        vanishes: (T,) states in which that counts as none.
-    """
-    found, numbers = shear.copy(), np.cumsum(np.diff(vanishes, prepend=False))
-    for number in np.unique(numbers[vanishes]):
-        states = np.flatnonzero(numbers == number)
-        found[states] = shear[states[np.argmin(hold[states])]]
-    return found
 
 
 def with_moved(k_n: Array, spread: Array, moved: MovedEdge) -> Array:

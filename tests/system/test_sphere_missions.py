@@ -72,7 +72,7 @@ AGAIN = 672 - (269 - FRICTION * 628) / (2 * FRICTION)
         (OUT_OF_PHASE, 900, 900 - 250 / FRICTION, 4),
         (IN_PHASE, 1300, AGAIN, 1),
         (IN_PHASE, 1300, AGAIN, 4),
-        (PARTING, 1300, 1300 - 351 / (2 * FRICTION), 3),
+        (PARTING, 1300, 1300 - 234 / FRICTION, 3),
     ],
 )
 def test_zones_of_missions_from_and_to_zero(
