@@ -22,6 +22,7 @@ from fretfe.evaluate.contacts import (
     unknown_station,
 )
 from fretfe.evaluate.cycles import STEADY_CHANGE, cycle_changes
+from fretfe.evaluate.friction_work import work_before
 from fretfe.evaluate.loaded import whole_sliding, with_own_cycle
 from fretfe.evaluate.plane.evaluate import FindUnits, evaluate_endless, evaluate_plane
 from fretfe.evaluate.plane.patches_in_time import separate_patches
@@ -162,7 +163,7 @@ def _evaluate_contact(
         sliding_range=reach,
         cycle_change=changes[0],
         steady=bool(changes[0] < STEADY_CHANGE),
-        dissipation_change=_dissipation_change(solution, contact, found["work"]),
+        dissipation_change=found["dissipation"] / work_before(solution, contact) - 1,
         warnings=tuple(warnings),
     )
 
@@ -199,18 +200,3 @@ def _of_half(
     resultants = plane_resultants(contact, found["centre"])
     own = {name: found[name] / 2 for name in ("dissipation", "dissipation_spread")}
     return {**found, **resultants, "fronts": tuple(fronts), **own}
-
-
-def _dissipation_change(solution: Solution, contact: ContactHistory, work: Array) -> float:
-    """Friction work of the evaluated cycle over that of as many steps before it, less 1."""
-    if solution.cycle is None:
-        return np.nan
-    ends, (first, last) = solution.ends, solution.cycle
-    count = solution.step_of(last) - solution.step_of(first)
-    if solution.step_of(first) < count:
-        return np.nan
-    begin = ends[solution.step_of(first) - count]
-    before, rough = work[begin + 1 : first + 1].sum(), contact.friction.acts[begin + 1 : first + 1]
-    if not (before > 0 and rough.all()):
-        return np.nan
-    return float(work[first + 1 : last + 1].sum() / before - 1)

@@ -3,9 +3,12 @@
 
 from __future__ import annotations
 
+import math
+
 import numpy as np
 
 from fretfe._typing import Array, Indices
+from fretfe.evaluate.cycles import same_cycles
 from fretfe.evaluate.slip import slip_in_steps
 from fretfe.history.solution import OPEN, ContactHistory, Solution
 from fretfe.history.state_array import blocks
@@ -56,6 +59,12 @@ def _turned(traction: Array) -> Array:
     before, after = size[:-1], np.maximum(size[1:], 1e-300)
     along = (q[:-1] * q[1:]).sum(axis=2) / after
     return np.sqrt(np.maximum(before**2 - along**2, 0.0)) / np.maximum(before, after)
+
+
+def work_before(solution: Solution, contact: ContactHistory) -> float:
+    """Friction work in the same cycle before the evaluated one; NaN without one, or any work."""
+    before = same_cycles(solution, contact.friction)[1:2]
+    return sum(float(contact.dissipation[a + 1 : b + 1].sum()) for a, b in before) or math.nan
 
 
 def _alike(contact: ContactHistory, elements: Indices, state: int) -> bool:

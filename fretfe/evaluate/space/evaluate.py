@@ -129,12 +129,8 @@ def front_edges(
     solution: Solution, contact: ContactHistory, tracks: tuple[FrontTrack, ...]
 ) -> Iterator[FrontEdges]:
     """The edges along each front of a contact, of unlike bodies at the reference length 1."""
-    steps, slip, first = (
-        ContactSteps.of(solution, contact, solution),
-        SlipBetween(contact, solution.least_slip),
-        0,
-    )
-    force = normal_force(contact)
+    steps, force = ContactSteps.of(solution, contact, solution), normal_force(contact)
+    slip, first = SlipBetween(contact, solution.least_slip), 0
     for number, track in enumerate(tracks):
         own = slice(first, first + len(track.front.sectors))
         first = own.stop
