@@ -455,8 +455,7 @@ class EdgeMemory:
         known = lengths[np.isfinite(lengths)]
         # That all slides in the end does not count if little is left of its zone by then.
         little = len(known) > 0 and known[-1] < LEFT_BEHIND * known.max()
-        slides = (fronts <= 0) & (not little)
-        lengths = np.where(slides, math.inf, np.nan_to_num(lengths))
+        lengths = np.where((fronts <= 0) & (not little), math.inf, np.nan_to_num(lengths))
         inner = int(np.flatnonzero(fronts <= fronts[-1])[0])
         deepest = int(begins[inner]), int(states[inner])
         while True:

@@ -93,7 +93,7 @@ def plane_warnings(
         partly = math.isfinite(station.reported_k_n)
         for each in about(name, station.front, _uncertain(station, unknown)):
             yield replace(each, partly=partly and each.kind is unknown)
-    for station in stations:
+    for station in stations if solution.degree else ():  # half-planes have their own places
         beside = _beside_plane_mesh(solution, contact, station)
         if beside is not None:
             yield from about(name, station.front, [(Kind.BESIDE_FINE_MESH, beside)])
