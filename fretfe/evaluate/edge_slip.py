@@ -59,10 +59,13 @@ class Places:
         """Place where it has gained so much, at most back to where no hold is left."""
         if not len(self.gained):
             return math.nan
-        if gained <= self.gained[0] or len(self.gained) < 2:
-            less = (gained - float(self.gained[0])) / (float(self.rate[0]) * self.reach)
-            share = max(1 + self.power * less, 0.0 if self.power > 1 else -math.inf)
+        more, rate = gained - float(self.gained[0]), float(self.rate[0])
+        if more <= 0:
+            least = 0.0 if self.power > 1 else -math.inf
+            share = max(1 + self.power * more / (rate * self.reach), least)
             return float(self.outward[0]) + self.reach * (share ** (1 / self.power) - 1)
+        if len(self.gained) < 2:
+            return float(self.outward[0]) + more / rate
         number = int(np.searchsorted(self.gained[:-1], gained, "right")) - 1
         rate, bend = (float(each[number]) for each in self._pieces)
         more = gained - float(self.gained[number])
@@ -86,11 +89,12 @@ class Places:
         """(T,) what it has gained at places (T,)."""
         if not len(self.gained):
             return math.nan * outward
-        way = outward - self.outward[0]
-        share = np.maximum(1 + way / self.reach, 0.0 if self.power > 1 else -math.inf)
-        less = float(self.rate[0]) * self.reach / self.power * (share**self.power - 1)
+        way, first = outward - self.outward[0], float(self.rate[0])
+        back = np.minimum(way, 0.0)
+        share = np.maximum(1 + back / self.reach, 0.0 if self.power > 1 else -math.inf)
+        less = first * self.reach / self.power * (share**self.power - 1)
         if len(self.gained) < 2:
-            return np.asarray(self.gained[0] + less)
+            return np.asarray(self.gained[0] + less + first * (way - back))
         number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(self.outward) - 2)
         along, (rate, bend) = outward - self.outward[number], self._pieces
         inside = self.gained[number] + along * (rate[number] + along * bend[number] / 2)
@@ -271,7 +275,7 @@ def places_of(
         growth = float((rate[-1] - rate[0]) / (outward[-1] - outward[0]) / rate[0])
     if exact and (np.diff(hold) > 0).all():
         growth, gained = math.nan, hold
-    if math.isnan(reach):  # a parabola, or a straight line
+    if not reach > 0:  # a parabola, or a straight line
         growth = float(np.nan_to_num(growth))
         reach = 1 / growth if growth else 1.0
     # The rate of h x^m grows by (m - 1)/x; what slides as a whole changes h, but not that.
