@@ -80,6 +80,8 @@ class Places:
         That is straight between places, and to nothing in the middle (exact for half-planes).
         """
         place = self.at(gained)
+        if math.isnan(place):
+            return math.nan
         if place < self.outward[0] and math.isfinite(self.middle):
             share = (place - self.middle) / (self.outward[0] - self.middle)
             return float(self.unit[0] / math.sqrt(share)) if share > 0 else math.inf

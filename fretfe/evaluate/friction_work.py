@@ -55,11 +55,10 @@ def friction_work(solution: Solution, contact: ContactHistory) -> tuple[Array, A
 
 def _turned(traction: Array) -> Array:
     """(n, N) sines of the angles by which shear of n + 1 states turns; zero in the plane."""
-    q, size = traction[..., 1:], np.linalg.norm(traction[..., 1:], axis=2)
-    before, after = size[:-1], np.maximum(size[1:], 1e-300)
-    along = (q[:-1] * q[1:]).sum(axis=2) / after
-    across = np.sqrt(np.maximum(before**2 - along**2, 0.0)) * (size[1:] > 0)
-    return across / np.maximum(before, after)
+    q = traction[..., 1:]
+    before, after = np.linalg.norm(q[:-1], axis=2), np.linalg.norm(q[1:], axis=2)
+    across = abs(q[:-1, :, 0] * q[1:, :, -1] - q[:-1, :, -1] * q[1:, :, 0])
+    return across / np.maximum(after * np.maximum(before, after), 1e-300)
 
 
 def work_before(solution: Solution, contact: ContactHistory) -> float:

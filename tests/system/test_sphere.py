@@ -480,11 +480,10 @@ def test_range_of_the_vector(front: Front) -> None:
 
 
 def test_slip_zones(front: Front) -> None:
-    """Widths within .005 a of Cattaneo's and Mindlin's; too wide for a verdict on the formulas."""
+    """Widths within .005 a of Cattaneo's and Mindlin's, by what edges remember within 3 %."""
     zones = [station.slip_zones[-1] for station in front.stations]
     length = np.array([zone.length for zone in zones])
     assert all(zone.resolved and not zone.gross for zone in zones)
     assert np.abs(length - (1 - STICK)).max() < 0.008  # .0041
     predicted = np.array([zone.prediction for zone in zones])
-    first_order = RANGE / (FRICTION * K_N)
-    assert np.abs(predicted / first_order - 1).max() < 0.08
+    assert np.abs(predicted / (1 - STICK) - 1).max() < 0.04
