@@ -37,13 +37,14 @@ def friction_work(solution: Solution, contact: ContactHistory) -> tuple[Array, A
         begin, end = first + part.start, first + part.stop
         steps = slice(begin + 1, end + 1)
         slip = np.linalg.norm(slip_in_steps(contact, begin, end, solution.least_slip), axis=2)
-        pressure = np.maximum(contact.mean_traction[begin : end + 1, :, 0], 0.0)
+        traction = contact.mean_traction[begin : end + 1]
+        pressure = np.maximum(traction[..., 0], 0.0)
         bound = contact.friction.at(steps) * pressure[1:]
         change = contact.friction.at(steps) * np.diff(pressure, axis=0)
         works = np.asarray(contact.dissipation[steps])
         work += works.sum(axis=0)
         spread += (abs(change) * slip).sum(axis=0) * contact.surface.weights / 2
-        spread += (works * _turned(contact.mean_traction[begin : end + 1])).sum(axis=0) / 2
+        spread += (works * _turned(traction)).sum(axis=0) / 2
         inside = (np.asarray(contact.status[steps]) != OPEN)[:, elements].all(axis=2)
         alone = np.setdiff1d(np.arange(len(work)), elements[inside.any(axis=0)])
         spread[alone] += works[:, alone].sum(axis=0)
