@@ -46,7 +46,7 @@ if TYPE_CHECKING:
     from fretfe.exchange.submodel import Submodel
     from fretfe.mesh.mesh import Mesh
     from fretfe.quality.validation import Validation
-    from fretfe.report.page.html import Plots
+    from fretfe.report.page.html import Sections
     from fretfe.results.end_answers import EndAnswer
     from fretfe.results.front_ends import FrontEnd
     from fretfe.sweeps import Solved, Sweep
@@ -456,7 +456,7 @@ def draw_report(directory: Path, say: Callable[[str], None] = lambda _: None) ->
     seconds: dict[str, float] = {}
     problems: list[str] = []
     failures: list[FretfeError] = []
-    plots: list[Plots] = []
+    plots: list[Sections] = []
 
     def attempt(phase: str, make: Callable[[], object]) -> None:
         begin = time.perf_counter()

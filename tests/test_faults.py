@@ -158,8 +158,6 @@ FIGURES = (
     "history.path_plot",
     "history.slip_loop_plot",
     "history.work_loop_plots",
-    "solver.iteration_plot",
-    "solver.certificate_plot",
     "tractions.local_plot",
     "tractions.traction_plot",
     "tractions.slip_plot",

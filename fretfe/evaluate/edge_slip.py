@@ -49,11 +49,18 @@ class Places:
 
     @cached_property
     def _pieces(self) -> tuple[Array, Array]:
-        """(n - 1,) rates at the inner ends of the pieces, and (n - 1,) how they change."""
+        """(k,) rates at the inner ends of the k pieces, and how they change; straight from one."""
         width, rate = np.diff(self.outward), self.rate
+        if not len(width):
+            return rate, 0 * rate
         # What straight lines miss of the hold where it is known, shared out.
         share = np.diff(self.gained) / (width * (rate[:-1] + rate[1:]) / 2)
         return share * rate[:-1], share * np.diff(rate) / width
+
+    @property
+    def _least(self) -> float:
+        """Least share of the reach that is left: what is straight has no end."""
+        return 0.0 if self.power > 1 else -math.inf
 
     def at(self, gained: float) -> float:
         """Place where it has gained so much, at most back to where no hold is left."""
@@ -61,12 +68,9 @@ class Places:
             return math.nan
         more, rate = gained - float(self.gained[0]), float(self.rate[0])
         if more <= 0:
-            least = 0.0 if self.power > 1 else -math.inf
-            share = max(1 + self.power * more / (rate * self.reach), least)
+            share = max(1 + self.power * more / (rate * self.reach), self._least)
             return float(self.outward[0]) + self.reach * (share ** (1 / self.power) - 1)
-        if len(self.gained) < 2:
-            return float(self.outward[0]) + more / rate
-        number = int(np.searchsorted(self.gained[:-1], gained, "right")) - 1
+        number = max(int(np.searchsorted(self.gained[:-1], gained, "right")) - 1, 0)
         rate, bend = (float(each[number]) for each in self._pieces)
         more = gained - float(self.gained[number])
         square = rate**2 + 2 * bend * more
@@ -92,13 +96,11 @@ class Places:
         if not len(self.gained):
             return math.nan * outward
         way, first = outward - self.outward[0], float(self.rate[0])
-        back = np.minimum(way, 0.0)
-        share = np.maximum(1 + back / self.reach, 0.0 if self.power > 1 else -math.inf)
+        share = np.maximum(1 + np.minimum(way, 0.0) / self.reach, self._least)
         less = first * self.reach / self.power * (share**self.power - 1)
-        if len(self.gained) < 2:
-            return np.asarray(self.gained[0] + less + first * (way - back))
-        number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(self.outward) - 2)
-        along, (rate, bend) = outward - self.outward[number], self._pieces
+        rate, bend = self._pieces
+        number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(rate) - 1)
+        along = outward - self.outward[number]
         inside = self.gained[number] + along * (rate[number] + along * bend[number] / 2)
         return np.where(way < 0, self.gained[0] + less, inside)
 
@@ -230,6 +232,7 @@ class HalfCycle:
         length: of the zone; NaN if the whole contact slips.
         deepest: states in between from which and in which slip comes deepest of what is left at
             `turn`, also where places have been covered and stick since.
+        within: by how much the zone may get longer in the step in which it ends, by nodes.
     """
 
     start: int
@@ -239,6 +242,7 @@ class HalfCycle:
     front: float
     length: float
     deepest: tuple[int, int]
+    within: float = 0.0
 
     @classmethod
     def still(cls, start: int, end: int) -> HalfCycle:

@@ -22,6 +22,8 @@ States = Indices
 # Where slip turns round between two steps, nodes behind the border move by about as much. What is
 # left out at the border is less than 1 % of the zone, which the fit of the border puts back.
 SMALLEST_SLIP = 3e-4
+# Fewer sticking nodes than this are no stick zone.
+FEWEST_STUCK = 3
 # Where no node slips there is no slip zone if the formulas predict less than this fraction of the
 # distance within which no node would see it.
 HIDDEN = 1e-2
@@ -118,24 +120,6 @@ def half_cycles(
     return found if len(inside) > 1 else tuple(inside)
 
 
-def slip_zones(
-    cycle: States, friction: Array, station: StationHistory, find_border: FindBorder
-) -> tuple[SlipZone, ...]:
-    """Slip zones of an edge between similar bodies in its half cycles.
-
-    Args:
-        cycle: states of the evaluated cycle.
-        friction: (T,) coefficient in the step that ends at each state.
-        station: position and factors.
-        find_border: gives the slip zone of a half cycle.
-    """
-    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
-    if memory is None:
-        return ()
-    halves = half_cycles(cycle, memory, irregular=False, pressed=False)
-    return zones_of(cycle, memory, halves, find_border)
-
-
 def zones_of(
     cycle: States,
     memory: EdgeMemory,
@@ -157,14 +141,14 @@ def zones_of(
     station, friction = memory.station, memory.friction
     zones = []
     for half in halves:
-        start, end = half.start, half.turn if unlike else half.end
+        start, end = half.start, half.end
         if not (np.isfinite(station.position[end]) and (unlike or memory.hold[end] > 0)):
             continue  # no contact to tell one of
         if memory.softens(start, half.turn):  # what slips then shows in no factor
             zones.append(SlipZone.untold(start, half.turn))
             continue
         border = find_border(start if unlike else memory.onset(half), end)
-        length, cyclic = memory.told(half), math.nan
+        length, cyclic = half.length if unlike else memory.told(half), math.nan
         loop = foretold = length if memory.doubt(half) <= LEFT_OPEN else math.nan
         if unlike:
             (cyclic, loop), foretold = _prediction(cycle, friction[end], end, station), math.nan
@@ -181,7 +165,7 @@ def zones_of(
         if not unlike and border.length > 0:
             border, doubt = _without_steps(border, memory.misplaced(half, length))
             spread = math.hypot(spread, doubt)
-        missed = 0.0 if unlike else _missed(half, memory.fine, length)
+        missed = half.within if unlike else _missed(half, memory.fine, length)
         deepest = (start, end) if unlike or border.gross else half.deepest
         place = float(station.position[deepest[1]])  # not known of a contact of a few nodes
         inner = find_border(*deepest) if deepest[1] != end and math.isfinite(place) else border

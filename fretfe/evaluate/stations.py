@@ -45,6 +45,7 @@ from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import load_path
 from fretfe.evaluate.loaded import decisive_state
 from fretfe.evaluate.numerics import most_loaded
+from fretfe.evaluate.seen_slip import SeenEdge
 from fretfe.evaluate.slip import FindBorder, cycle_states, half_cycles, last_state, zones_of
 from fretfe.evaluate.verdicts import FLANK
 from fretfe.faults import Fault, guarded
@@ -149,6 +150,13 @@ class EdgeData(ABC):
             position: (T,) of it.
             outer: (T,) whether the slip in the step to each state counts.
             growth: gives the growth of the zone of a half cycle.
+        """
+
+    @abstractmethod
+    def seen(self, number: int, direction: Array) -> tuple[Array, Array]:
+        """(T,) largest slip of nodes in the step to a state, and how far from the edge it reaches.
+
+        Along a direction (2,), on the way from the edge to the middle.
         """
 
     @abstractmethod
@@ -412,6 +420,12 @@ class EdgeData(ABC):
         if memory is None or not self.steps.known[self.cycle].all():
             return ()
         alone, irregular = self.pressed[number] and self.steps.dundurs != 0, cycles.irregular
+        if self.steps.dundurs and not alone:
+            seen = self.seen(number, direction)
+            every = np.ones(len(self.force), dtype=bool)
+            find = self.border(number, memory.station.position, every, lambda *_: None)
+            width = float(self.half_widths[number])
+            memory = SeenEdge.by(memory, width, *seen, find, self.size(number))
         halves = half_cycles(self.cycle, memory, irregular, alone)
         zones = [
             self.with_shear(number, zone, direction)

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from cases.pad_cases import SLIDING, TOP, pad, press, pull, shear
 from cases.stored_runs import solved, write_run
+from reference.elliptical_stress import elliptical_stress
 
 from fretfe._typing import Array
-from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.backends import RunOptions
 from fretfe.backends.halfplane import BACKEND as HALFPLANE
 from fretfe.case import parse_case

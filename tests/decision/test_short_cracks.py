@@ -9,12 +9,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from cases.stored_runs import solved
+from reference.elliptical_stress import elliptical_stress
 
 from fretfe._typing import Array
 from fretfe.analytic.cracks import EdgeCracks
 from fretfe.analytic.partial_slip import (
     PartialSlip,
-    elliptical_stress,
     shear_moderate_tension,
 )
 from fretfe.analytic.profiles import Hertz

@@ -11,9 +11,9 @@ import numpy as np
 import pytest
 from cases.pad_cases import pad
 from cases.stored_runs import solved
+from reference.elliptical_stress import elliptical_stress
 
 from fretfe._typing import Array
-from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
 from fretfe.errors import CaseError, OutputError
 from fretfe.evaluate.stress import EdgeStress

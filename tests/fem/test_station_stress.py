@@ -12,10 +12,10 @@ import numpy as np
 import pytest
 from cases.pad_cases import cylinder, pad, press, shear
 from decision.test_material import write
+from reference.elliptical_stress import elliptical_stress
 from typer.testing import CliRunner
 
 from fretfe._typing import Array
-from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import parse_case
 from fretfe.cli.app import app
 from fretfe.decision.assess import assess

@@ -13,10 +13,10 @@ from cases.pad_cases import HOLD, cylinder, pad, press, shear, wave
 from dolfinx import fem
 from dolfinx.mesh import create_box, create_rectangle, to_type
 from harness.told import Told
+from reference.elliptical_stress import elliptical_stress
 
 import fretfe
 from fretfe._typing import Array
-from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.case import changed, parse_case
 from fretfe.decision.field import EdgeField, edge_field
 from fretfe.errors import CaseError, OutputError

@@ -11,10 +11,10 @@ from types import ModuleType
 
 import numpy as np
 import pytest
+from reference.elliptical_stress import elliptical_stress
 
 from fretfe._typing import Array
 from fretfe.analytic.cracks import EdgeCracks
-from fretfe.analytic.partial_slip import elliptical_stress
 from fretfe.decision.thresholds import opening_range
 
 

@@ -28,7 +28,7 @@ def test_sections_of_other_packages_stand_last(
     monkeypatch.delitem(sys.modules, "other", raising=False)
     entries = "a = other:section\nb = other:wrong\nc = other:failing"
     write_package(tmp_path, "other", EXAMPLE + WRONG, "fretfe.sections", entries)
-    *_, good, wrong, failing = draw_plots(solved("halfplane")).sections
+    *_, good, wrong, failing = draw_plots(solved("halfplane"))
     assert (good.anchor, good.title) == ("section-a", "My loads")
     assert good.plots[0].svg.startswith("<svg")
     assert wrong.intro == "'b' of other 1.0: expected a Section, found None"

@@ -26,7 +26,7 @@ from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Pass, Refinement, StationValues, edge_changes
 from fretfe.materials.moduli import contact_modulus
 from fretfe.report.page.glossary import HEADERS, PLANE_TERMS, SOLID_TERMS, TERMS, Glossary
-from fretfe.report.page.html import Plots, render, write_report
+from fretfe.report.page.html import render, write_report
 from fretfe.report.page.tables import station_table
 from fretfe.results.reader import read_result
 from fretfe.results.writer import REPORT, write_results
@@ -102,8 +102,8 @@ def check_alone(text: str) -> Page:
 def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -> None:
     page = check_alone(pages[name])
     assert len(pages[name]) < 1.5e6
-    # Tractions, 2 edges, slip map, factors, loads, path, loops, iterations, certificate.
-    assert page.tags.count("svg") >= 9
+    # Tractions, 2 edges, slip map, factors, loads, path, loops.
+    assert page.tags.count("svg") >= 8
     assert page.tags.count("table") >= 5
     assert ("Not all load steps were solved" in pages[name]) == (name == "incomplete")
 
@@ -133,7 +133,7 @@ def test_page_is_one_file_that_loads_nothing(pages: dict[str, str], name: str) -
 def test_bodies_and_pairs(tmp_path: Path, upper: dict[str, Any], row: list[str], beta: str) -> None:
     tables = pad(bodies={"upper": upper, "lower": STEEL})
     write_run(tmp_path, "halfplane", parse_case(tables))
-    page = Page(render(tmp_path, Plots((), ())))
+    page = Page(render(tmp_path, ()))
     first, second = page.rows("Bodies")
     assert first == ["upper", *row]
     # Axes are those of crystals.
@@ -280,8 +280,8 @@ def test_many_contacts(tmp_path: Path) -> None:
     page = check_alone(text)
     assert len(page.rows("Contact edges")) == 2 * 2 * 2
     # For each contact: tractions, edges, slip map, local parameters, factors, path, loop; for all:
-    # loads, one boundary that works, iterations, certificate.
-    assert page.tags.count("svg") == 2 * 8 + 4
+    # loads, one boundary that works.
+    assert page.tags.count("svg") == 2 * 8 + 2
     assert len(text) < 4e6
 
 

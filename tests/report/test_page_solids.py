@@ -79,7 +79,7 @@ def test_histories_have_a_line_for_each_component(folder: Path) -> None:
     forces = force_plot(run, run.contacts[0], "a")
     areas = area_plot(run, run.contacts[0], "b")
     assert forces.svg.startswith("<svg") and areas.title.endswith("contact left")
-    sections = {section.anchor: section for section in draw_plots(run).sections}
+    sections = {section.anchor: section for section in draw_plots(run)}
     assert [plot.title for plot in sections["loops"].plots] == [
         "Contact left",
         "Contact right",

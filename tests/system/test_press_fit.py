@@ -84,7 +84,7 @@ def test_its_report_speaks_of_no_edges(fit: fretfe.Result) -> None:
     assert found.agreement == "" == found.half
     assert station_table(fit) is None and edge_answers(fit) == ()
     assert {each.kind for each in plan_pictures(fit)} == {"bodies", "status"}
-    sections = {each.anchor: each for each in draw_plots(fit).sections}
+    sections = {each.anchor: each for each in draw_plots(fit)}
     assert all(each.missing == () for each in sections.values())
     assert not {"factors", "edges", "local", "cycles"} & set(sections)
     assert len(sections["slip"].plots) == 1

@@ -30,9 +30,10 @@ from fretfe.evaluate.plane.edge_fits import with_gap
 from fretfe.evaluate.plane.pressure_fit import FEWEST_NODES, RISEN, fit_edge
 from fretfe.evaluate.plane.section import PLANE_FRONTS, PlaneFront, nearest_front, plane_sections
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import FindBorder, cycle_states
+from fretfe.evaluate.seen_slip import seen_slip
+from fretfe.evaluate.slip import FindBorder, cycle_states, slip_in_steps
 from fretfe.evaluate.stations import EdgeData, MovedEdge
-from fretfe.history.solution import ContactHistory, NearbyLoads
+from fretfe.history.solution import OPEN, ContactHistory, NearbyLoads
 from fretfe.history.state_array import blocks
 
 # Bodies are too stiff for waves of any length along the contact whose elements grow by g of the
@@ -178,6 +179,15 @@ class PlaneEdges(EdgeData):
         least = np.where(outer, solution.least_slip, np.inf)
         degree = 0 if self.factors.exact else solution.degree
         return slip_border_of(self.contact, front, position, least, degree, growth)
+
+    def seen(self, number: int, direction: Array) -> tuple[Array, Array]:
+        """Slip of nodes, as of `EdgeData.seen`."""
+        contact, front, place = self.contact, PLANE_FRONTS[number], self.fits[number].position
+        steps = slip_in_steps(contact, 0, len(place) - 1, self.steps.solution.least_slip)
+        along = steps @ front.axis(direction, steps.shape[2])
+        s = front.inward * (contact.surface.arc - place[1:, None])
+        closed = np.asarray(contact.status[1:]) != OPEN
+        return seen_slip(along, s, closed, self.half_width[1:])
 
     @cached_property
     def _sliding(self) -> Array:

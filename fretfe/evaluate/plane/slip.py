@@ -14,7 +14,13 @@ from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.growth import FindGrowth, Growth, evened
 from fretfe.evaluate.numerics import average, rising_zero
 from fretfe.evaluate.plane.section import PlaneFront, hats, main_patch
-from fretfe.evaluate.slip import SMALLEST_SLIP, FindBorder, SlipBorder, slip_in_steps
+from fretfe.evaluate.slip import (
+    FEWEST_STUCK,
+    SMALLEST_SLIP,
+    FindBorder,
+    SlipBorder,
+    slip_in_steps,
+)
 from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.history.state_array import blocks
 
@@ -55,9 +61,6 @@ SLIDES = 0.01
 
 # Fewer slipping nodes than this leave no two beside the outermost one.
 FEWEST_LAST = 3
-
-# Fewer sticking nodes than this are no stick zone.
-FEWEST_STUCK = 3
 
 
 def slip_border(s: Array, slip: Array, slipping: Bools, *, uneven: bool = False) -> SlipBorder:

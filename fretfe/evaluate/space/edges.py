@@ -15,16 +15,17 @@ from fretfe.evaluate.contacts import NO_NUMBER, Frame, SlipZone, Station
 from fretfe.evaluate.friction_behind import FrictionBehind, straight_inward
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
+from fretfe.evaluate.seen_slip import seen_slip
 from fretfe.evaluate.slip import FindBorder
 from fretfe.evaluate.space.fronts import NEAR, FrontTrack, SpaceFront
 from fretfe.evaluate.space.gap_shape import fit_similar
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.space.range_spread import unresolved
 from fretfe.evaluate.space.sectors import Frames
-from fretfe.evaluate.space.slip import SlipBetween, shear_share
+from fretfe.evaluate.space.slip import FIRM, SlipBetween, shear_share
 from fretfe.evaluate.stations import EdgeData, MovedEdge
 from fretfe.faults import Fault
-from fretfe.history.solution import ContactHistory
+from fretfe.history.solution import OPEN, ContactHistory
 from fretfe.reason import Kind, Reason
 
 # The front of a discrete contact area may lie anywhere in an element: half of it, and some more for
@@ -102,6 +103,18 @@ class FrontEdges(EdgeData):
         sector, depth = front.sectors[number], float(front.depth[number])
         chord = front.chord(self.contact.surface.points, number)
         return self.slip.border_of(sector, chord, position, depth, outer, growth)
+
+    def seen(self, number: int, direction: Array) -> tuple[Array, Array]:
+        """Slip of nodes, as of `EdgeData.seen`."""
+        front, contact, place = self.track.front, self.contact, self.fits[number].position
+        sector, depth = front.sectors[number], float(front.depth[number])
+        steps, _ = self.slip.steps(0, len(place) - 1)
+        along, s = (
+            steps[:, sector.nodes] @ self._axis(number, direction),
+            sector.s - place[1:, None],
+        )
+        closed = np.asarray(contact.status[1:])[:, sector.nodes] != OPEN
+        return seen_slip(along, s, closed, np.full(len(s), depth), FIRM)
 
     @cached_property
     def _sliding(self) -> Array:

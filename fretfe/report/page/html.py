@@ -25,7 +25,7 @@ from fretfe.files import replace_text, writing
 from fretfe.history.solution import Solution
 from fretfe.plugins import SECTIONS, plug_ins, what
 from fretfe.quality.rows import Row, own_rows
-from fretfe.report.figures import edges, history, solver, tractions
+from fretfe.report.figures import edges, history, tractions
 from fretfe.report.page.bodies import body_table, pair_table
 from fretfe.report.page.ends import end_tables
 from fretfe.report.page.glossary import Glossary, subscripts
@@ -84,22 +84,11 @@ class Section:
     missing: tuple[str, ...] = ()
 
 
-@dataclass(frozen=True)
-class Plots:
-    """All plots of the page.
-
-    Attributes:
-        sections: what was computed.
-        solver: how the steps were solved, and the meshes.
-        missing: plots of that which fretfe failed to draw, and why.
-    """
-
-    sections: tuple[Section, ...]
-    solver: tuple[Plot, ...]
-    missing: tuple[str, ...] = ()
+# What was computed, in the order of the page.
+Sections = tuple[Section, ...]
 
 
-def draw_plots(run: Result, stations: Sequence[str] = ()) -> Plots:
+def draw_plots(run: Result, stations: Sequence[str] = ()) -> Sections:
     """Everything that is drawn from the results but pictures of bodies.
 
     Args:
@@ -114,9 +103,7 @@ def draw_plots(run: Result, stations: Sequence[str] = ()) -> Plots:
     sections = guarded("figures", lambda: _sections(run, chosen), failed.append) or ()
     if failed:
         sections = (Section("figures", "Figures", "None could be drawn.", (), (failed[0].text,)),)
-    sections += tuple(_by_others(run))
-    solver = _section("solver", "Solver and checks", "", _solver_plots(run))
-    return Plots(sections, solver.plots, solver.missing)
+    return sections + tuple(_by_others(run))
 
 
 def _by_others(run: Result) -> Iterator[Section]:
@@ -265,17 +252,6 @@ def _keyed(run: Result) -> list[tuple[str, Contact]]:
     return [(f"contact{place}", contact) for place, contact in enumerate(run.contacts)]
 
 
-def _solver_plots(run: Result) -> list[Draw]:
-    plots: list[Draw] = []
-    if len(run.loads.times) > 1:
-        plots += [
-            partial(draw, run.solution) for draw in (solver.iteration_plot, solver.certificate_plot)
-        ]
-    if run.refinement is not None:
-        plots.append(partial(solver.refinement_plot, run.refinement))
-    return plots
-
-
 def _each(draw: Callable[[Shown], Plot | None], shown: Iterable[Shown]) -> list[Draw]:
     return [partial(draw, each) for each in shown]
 
@@ -292,7 +268,7 @@ def _section(anchor: str, title: str, intro: str, plots: Sequence[Draw]) -> Sect
     return Section(anchor, title, intro, tuple(drawn), tuple(fault.text for fault in failed))
 
 
-def write_report(directory: Path, plots: Plots | None = None) -> Path:
+def write_report(directory: Path, plots: Sections | None = None) -> Path:
     """Make the report from the results in a folder, and return its file.
 
     Args:
@@ -310,7 +286,7 @@ def write_report(directory: Path, plots: Plots | None = None) -> Path:
     return path
 
 
-def render(directory: Path, plots: Plots | None = None) -> str:
+def render(directory: Path, plots: Sections | None = None) -> str:
     """The report of the results in a folder, as HTML; arguments as for `write_report`.
 
     Raises:
@@ -340,7 +316,7 @@ def render(directory: Path, plots: Plots | None = None) -> str:
             if math.isfinite(contact.dissipation)
         ],
         pictures=pictures,
-        plots=plots or draw_plots(run),
+        plots=draw_plots(run) if plots is None else plots,
         certificate=guarded("certificate", lambda: _certificate_rows(run), lambda _: []),
         limits=_nearest_limits(run),
         checks=guarded("checks of this run", lambda: _checks(run), lambda _: ()),

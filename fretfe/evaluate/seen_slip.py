@@ -1,0 +1,154 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Half cycles of an edge between unlike bodies, where the slip of its nodes turns round.
+
+P makes slip there, too, so that no factor tells when slip turns round, or where it is longest.
+Places are named by their distance from the middle of the contact in place of the hold.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from fretfe._typing import Array, Bools
+from fretfe.evaluate.edge_memory import INNER, EdgeMemory
+from fretfe.evaluate.edge_slip import BEHIND, HalfCycle, Places, Slip
+from fretfe.evaluate.numerics import last_known
+from fretfe.evaluate.slip import FEWEST_STUCK, SMALLEST_SLIP, FindBorder
+
+# Slip goes with the length of a zone to the power of 3/2: zones of a twentieth of the longest are
+# none, nor is the slip of a step that is as small a part of its half cycle.
+FAINT = INNER**1.5
+# Cosine of the angle between loads of two steps from which on they go on: five steps a wave do.
+SMOOTH = math.cos(2 * math.pi / 4.5)
+
+
+@dataclass(frozen=True)
+class SeenEdge(EdgeMemory):
+    """An edge followed by the slip of nodes.
+
+    Attributes:
+        seen: that slip.
+        find: gives its border between two states.
+        size: of an element at the edge.
+    """
+
+    seen: Slip
+    find: FindBorder
+    size: float
+
+    @classmethod
+    def by(
+        cls,
+        memory: EdgeMemory,
+        half_width: float,
+        slip: Array,
+        reach: Array,
+        find: FindBorder,
+        size: float,
+    ) -> SeenEdge:
+        """The edge of a memory as nodes show it.
+
+        Args:
+            memory: that of its factors.
+            half_width: of the contact in the state `last` of the station.
+            slip: (T,) largest slip along its main direction in the step to each state.
+            reach: (T,) how far inward of the edge it comes.
+            find: gives the border of slip between two states.
+            size: of an element at the edge.
+        """
+        station = memory.station
+        outward = -station.inward * station.position
+        middle = last_known(outward, np.arange(station.last % len(outward) + 1)) - half_width
+        hold = np.where(station.hold > 0, np.nan_to_num(outward - middle), 0.0).clip(0.0)
+        own = np.arange(memory.last + 1)
+        way = np.where(own > memory.begin, np.sign(slip[own]), 0.0)
+        front = np.where(way == 0, np.nan, np.maximum(hold[own] - reach[own], 0.0))
+        states = np.flatnonzero(front < hold[own])
+        low, high = front[states], hold[own][states]
+        slices = np.column_stack([low, high, memory.friction[states] * (high - low)])
+        none = np.zeros((0, 2))
+        seen = Slip(hold, way, front, states, slices, none, BEHIND)
+        one = np.ones(1)
+        places = Places(0 * one, one, 1.0, 1.0, 0 * one, one, 0.0)  # as far from the middle
+        fields = vars(replace(memory, station=replace(station, hold=hold), places=places))
+        known = {name: fields[name] for name in EdgeMemory.__dataclass_fields__}
+        found = cls(**{**known, "gained": hold}, seen=seen, find=find, size=size)
+        return replace(found, seen=seen.where(found._counted(np.abs(slip))))
+
+    @cached_property
+    def half_cycles(self) -> tuple[HalfCycle, ...]:
+        """All half cycles, each with the state in which its border is farthest from the edge."""
+        return tuple(map(self._longest, super().half_cycles))
+
+    def _longest(self, half: HalfCycle) -> HalfCycle:
+        """A half cycle that ends where borders tell, where nodes are the same to an element.
+
+        One that ends with its longest zone may go on within the next step, unless loads turn there.
+        """
+        if math.isnan(half.length):
+            return half
+        found = [
+            (e, self.length(e, f)) for e, f, _ in self._stretches(half.start, half.turn, half.way)
+        ]
+        near = [state for state, length in found if length >= half.length - self.size]
+        borders = [self.find(half.start, state) for state in near]
+        lengths = [each.length if each.resolved else 0.0 for each in borders]
+        longest = max(lengths)
+        end = max(state for state, length in zip(near, lengths, strict=True) if length == longest)
+        before = self.find(half.start, end - 1).length if end - 1 > half.start else 0.0
+        goes_on = end == half.turn and self._smooth(end)
+        return replace(half, end=end, within=abs(longest - before) / 2 if goes_on else 0.0)
+
+    def _smooth(self, state: int) -> bool:
+        """True if loads go through a state like a wave, and do not turn there."""
+        if state >= self.last:
+            return False
+        loads = np.array([self.station.k_i, self.station.k_t])[:, state - 1 : state + 2]
+        before, after = np.diff(loads / np.nanmax(np.abs(loads), axis=1, keepdims=True), axis=1).T
+        return bool(before @ after > SMOOTH * np.linalg.norm(before) * np.linalg.norm(after))
+
+    def _counted(self, slip: Array) -> Bools:
+        """(T,) steps to states that are no faint part of a half cycle, nor those of a faint one."""
+        counted = np.ones(self.last + 1, dtype=bool)
+        own = [slice(each.start + 1, each.turn + 1) for each in super().half_cycles]
+        most = max((float(slip[each].sum()) for each in own), default=0.0)
+        for steps in own:
+            size = slip[steps]
+            counted[steps] = (size > FAINT * size.max()) & (size.sum() > FAINT * most)
+        return counted
+
+    @property
+    def slip(self) -> Slip:
+        """As nodes show it."""
+        return self.seen
+
+
+def seen_slip(
+    steps: Array, s: Array, closed: Bools, depth: Array, firm: float = SMALLEST_SLIP
+) -> tuple[Array, Array]:
+    """(T,) largest slip of nodes in the step to a state, and how far inward of the edge it comes.
+
+    Infinitely far if all of them slip; slip that does not begin at the edge does not count.
+
+    Args:
+        steps: (T - 1, n) slip along the main direction of the edge.
+        s: (T - 1, n) distances inward of where the edge is after each step.
+        closed: (T - 1, n) nodes in contact then.
+        depth: (T - 1,) distances up to which nodes belong to the edge.
+        firm: part of the largest slip from which on slip counts.
+    """
+    own = closed & (s <= depth[:, None])
+    size = np.where(own, np.abs(steps), 0.0)
+    largest = np.take_along_axis(steps, size.argmax(axis=1)[:, None], axis=1)[:, 0]
+    slips = own & (steps * np.sign(largest)[:, None] > firm * size.max(initial=0.0))
+    inward = np.argsort(s, axis=1)
+    slipping, there, s = (np.take_along_axis(each, inward, axis=1) for each in (slips, own, s))
+    stuck, passed = (there & ~slipping).cumsum(axis=1), there.cumsum(axis=1)
+    begins = stuck < FEWEST_STUCK + INNER * passed
+    reach = np.where(slipping & begins, s, 0.0).max(axis=1, initial=0.0)
+    reach[(slipping | ~there).all(axis=1)] = np.inf
+    return np.append(0.0, np.where(reach > 0, largest, 0.0)), np.append(0.0, reach)
