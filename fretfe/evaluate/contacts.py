@@ -498,6 +498,9 @@ class Station(StationHistory):
     equivalent_misheld: Annotated[
         float, Quantity("k_t", "part of its bar by drivers out of phase and by where edges move")
     ] = 0.0
+    equivalent_end: Annotated[
+        int, Quantity("", "state in which its zone is longest; 0 without")
+    ] = 0
     largest_start: Annotated[int, Quantity("", "first state of the largest half cycle of all")] = 0
     largest_end: Annotated[int, Quantity("", "state in which its zone is longest; 0 without")] = 0
     largest_range: Annotated[float, Quantity("k_t", "its f K_N d by the memory")] = math.nan

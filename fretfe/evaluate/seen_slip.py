@@ -70,8 +70,7 @@ class SeenEdge(EdgeMemory):
         states = np.flatnonzero(front < hold[own])
         low, high = front[states], hold[own][states]
         slices = np.column_stack([low, high, memory.friction[states] * (high - low)])
-        none = np.zeros((0, 2))
-        seen = Slip(hold, way, front, states, slices, none, BEHIND)
+        seen = Slip(hold, way, front, states, slices, np.zeros((0, 2)), BEHIND)
         one = np.ones(1)
         places = Places(0 * one, one, 1.0, 1.0, 0 * one, one, 0.0)  # as far from the middle
         fields = vars(replace(memory, station=replace(station, hold=hold), places=places))
@@ -91,10 +90,8 @@ class SeenEdge(EdgeMemory):
         """
         if math.isnan(half.length):
             return half
-        found = [
-            (e, self.length(e, f)) for e, f, _ in self._stretches(half.start, half.turn, half.way)
-        ]
-        near = [state for state, length in found if length >= half.length - self.size]
+        stretches = self._stretches(half.start, half.turn, half.way)
+        near = [e for e, f, _ in stretches if self.length(e, f) >= half.length - self.size]
         borders = [self.find(half.start, state) for state in near]
         lengths = [each.length if each.resolved else 0.0 for each in borders]
         longest = max(lengths)

@@ -398,6 +398,7 @@ class EdgeData(ABC):
                 size = found["equivalent_range"] = fine.equivalent_range(largest)
                 misheld = fine.misheld(largest), fine.doubt(largest) * size
                 found["equivalent_misheld"] = math.hypot(*misheld)
+                found["equivalent_end"] = math.ceil(fine.times[largest.end])
             elif not any(each.turn > first for each in fine.half_cycles):
                 found["equivalent_range"] = 0.0
         if whole is None or not whole.sure:

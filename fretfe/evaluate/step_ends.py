@@ -153,6 +153,7 @@ class StepEnds:
             decisive=int(self._step[station.decisive]),
             first=int(self._step[station.first]) if station.first >= 0 else -1,
             cycles=replace(cycles, start=self._step[cycles.start], end=self._step[cycles.end]),
+            equivalent_end=int(self._step[station.equivalent_end]),
             largest_start=int(self._step[station.largest_start]),
             largest_end=int(self._step[station.largest_end]),
             slip_zones=self._zones(station),

@@ -161,7 +161,8 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     time = f"{run.loads.times[station.decisive]:.6g} {run.case.units.time}"
     texts = [f"K_N {_known(k_n, run.unit('k_n'))} at t = {time}{_lighter(run, contact, station)}"]
     if run.loads.cycle is not None and station.friction != 0:
-        texts.append(f"{_range_symbol(contact, station)} {_known(k_range, run.unit('k_t'))}")
+        told = _known(k_range, run.unit("k_t")) + _of_another(run, station)
+        texts.append(f"{_range_symbol(contact, station)} {told}")
     if zone is not None and zone.gross:
         texts.append("the whole contact slides there")
     elif zone is not None:
@@ -170,6 +171,17 @@ def _numbers(run: Result, contact: Contact, station: Station) -> str:
     near = "" if end is None else _by_parts(run, contact, station) + nearest_range(run, end)
     worst = "Worst of the fronts that are known" if _lost(run) else "Worst"
     return f"{worst}: {_place(run, contact, station)}: {', '.join(texts)}{near}."
+
+
+def _of_another(run: Result, station: Station) -> str:
+    """The half cycles of a range and of a slip zone, in words, where they are not one; or empty."""
+    zone, end, times = station.longest_zone, station.equivalent_end, run.loads.times
+    if not (station.moves and end and zone) or zone.start < end <= zone.end + 1:
+        return ""
+    unit = run.case.units.time
+    return (
+        f" (in the half cycle to t = {times[end]:.6g}, d in that to {times[zone.end]:.6g} {unit})"
+    )
 
 
 def _lighter(run: Result, contact: Contact, station: Station) -> str:
@@ -323,10 +335,8 @@ def _sliding(run: Result) -> str:
         + _known(with_error(worst.reported_dissipation, worst.dissipation_spread), run.unit("work"))
     )
     what = "cycle" if run.loads.cycle is not None else "history"
-    if len(sliding) > 1:
-        count = f"{len(sliding)} of {len(run.contacts)} contacts"
-        return f"Slide as a whole in the {what}: {count}, farthest {text}."
-    return f"Slides as a whole in the {what}: {text}."
+    count = f"{len(sliding)} of {len(run.contacts)} contacts, farthest " if sliding[1:] else ""
+    return f"Slide{'' if count else 's'} as a whole in the {what}: {count}{text}."
 
 
 def _share(part: float) -> str:
@@ -347,9 +357,8 @@ def _agreement(run: Result) -> str:
     if still and not words:
         return rest
     if not words:
-        unknown = any(each.lack.whole for each in stations)
-        what = _what(run, len(stations))
-        return f"{len(stations)} {what}, {'slip zones unknown' if unknown else 'no slip zones'}."
+        zones = "slip zones unknown" if any(e.lack.whole for e in stations) else "no slip zones"
+        return f"{len(stations)} {_what(run, len(stations))}, {zones}."
     others = ", ".join(f"{n} {word}" for word, n in words.items() if word is not Verdict.AGREES)
     what = _what(run, words.total())
     return (
