@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fretfe._typing import Array, Bools
-from fretfe.evaluate.contacts import NOTHING
+from fretfe.evaluate.contacts import LARGEST_SPREAD, NOTHING, StationHistory
 from fretfe.evaluate.increments import left_over, mean_of_ends, next_known
 from fretfe.history.solution import Factor
 
@@ -166,3 +166,28 @@ def _size_of_edge(
     size = apart if cancel else together
     size = np.where(size > 0, size, np.nan) if size[known].any() else np.where(known, 1.0, np.nan)
     return size, beside
+
+
+def k_n_by_hold(station: StationHistory) -> StationHistory:
+    """Its K_N in states that hardly know it by two that do, as a power of the hold.
+
+    As P moves an edge its K_N goes with the hold, but fits know it better or worse as the edge lies
+    in an element. The bar has all that it differs by from the nearer one of both; none is farther
+    from them than they are apart.
+    """
+    k_n, spread, hold = station.k_n, station.k_n_spread, station.hold
+    known = np.flatnonzero((spread < LARGEST_SPREAD * k_n) & (hold > 0))
+    order = known[np.unique(hold[known], return_index=True)[1]]
+    if len(order) < 2:
+        return station
+    at = np.searchsorted(hold[order], hold).clip(1, len(order) - 1)
+    low, high = order[at - 1], order[at]
+    with np.errstate(divide="ignore", invalid="ignore"):
+        share = np.log(hold / hold[low]) / np.log(hold[high] / hold[low])
+    near = abs(share - 0.5) <= 1.5
+    found = k_n[low] * (k_n[high] / k_n[low]) ** np.where(near, share, 0.0)
+    apart = abs(found - np.where(share < 0.5, k_n[low], k_n[high]))
+    bar = np.hypot(np.maximum(spread[low], spread[high]), apart)
+    better = near & ~(bar >= spread)
+    k_n, spread = np.where(better, found, k_n), np.where(better, bar, spread)
+    return replace(station, k_n=k_n, k_n_spread=spread)

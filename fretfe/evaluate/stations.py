@@ -26,7 +26,14 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads, without_traces
+from fretfe.evaluate.edge_loads import (
+    EdgeLoads,
+    edge_loads,
+    k_n_by_hold,
+    returned,
+    unlike_loads,
+    without_traces,
+)
 from fretfe.evaluate.edge_memory import EdgeMemory, FindPath
 from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
@@ -277,6 +284,7 @@ class EdgeData(ABC):
         direction, turning = main_direction(vectors, cycle)
         loads = self._loads(number, history, vectors @ direction, direction)
         history = replace(history, slid=self.slid(number, direction), **vars(loads))
+        history = history if beta else k_n_by_hold(history)
         along = replace(history, k_t=vectors @ direction)
         states = self.ranged(along.k_t)
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)
@@ -342,7 +350,10 @@ class EdgeData(ABC):
         factors = self.factors.ways[:, number].mean(axis=0)
         *_, k_s = np.pad(factors, ((0, 0), (0, 3 - factors.shape[1]))).T
         front, along = self.front(number)
-        spread = with_moved(fit.k_n, fit.spread_k_n, moved)
+        spread, at = fit.spread_k_n.copy(), moved.state
+        # Where fits disagree, all of them may be wrong, but K_N by the movement does not use them.
+        if spread[at] > LARGEST_SPREAD * fit.k_n[at] and math.isfinite(moved.k_n):
+            spread[at] = max(spread[at], abs(fit.k_n[at] - moved.k_n))
         around = moved.k_n, moved.spread, moved.state
         k_n, spread = self.layer(number).k_n(fit.k_n, spread, around, self.force)
         unknown = np.full(len(k_n), math.nan)
@@ -422,11 +433,10 @@ class EdgeData(ABC):
             return ()
         alone, irregular = self.pressed[number] and self.steps.dundurs != 0, cycles.irregular
         if self.steps.dundurs and not alone:
-            seen = self.seen(number, direction)
-            every = np.ones(len(self.force), dtype=bool)
-            find = self.border(number, memory.station.position, every, lambda *_: None)
-            width = float(self.half_widths[number])
-            memory = SeenEdge.by(memory, width, *seen, find, self.size(number))
+            place, seen = memory.station.position, self.seen(number, direction)
+            find = self.border(number, place, memory.outer(()), lambda *_: None)
+            width, size = float(self.half_widths[number]), self.size(number)
+            memory = SeenEdge.by(memory, width, *seen, find, size)
         halves = half_cycles(self.cycle, memory, irregular, alone)
         zones = [
             self.with_shear(number, zone, direction)
@@ -478,20 +488,3 @@ def _acting(friction: Array, state: int) -> float:
     """Coefficient in a state, after pressing without friction that of the last state with it."""
     acting = friction[friction > 0]
     return float(friction[state] or (acting[-1] if len(acting) else 0.0))
-
-
-def with_moved(k_n: Array, spread: Array, moved: MovedEdge) -> Array:
-    """(T,) error bars of K_N that hold K_N by the movement of the edge, where it is known.
-
-    Where the fits of that state disagree, so may all of them; K_N by the movement of the edge
-    does not depend on them.
-
-    Args:
-        k_n: (T,) by fits.
-        spread: (T,) their error bars.
-        moved: K_N of a state by the movement.
-    """
-    wider, at = spread.copy(), moved.state
-    if spread[at] > LARGEST_SPREAD * k_n[at] and math.isfinite(moved.k_n):
-        wider[at] = max(spread[at], abs(k_n[at] - moved.k_n))
-    return wider

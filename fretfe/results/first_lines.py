@@ -277,13 +277,16 @@ def _trust(contact: Contact, station: Station, doubts: tuple[str, ...]) -> str:
 
 def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     """Reasons to doubt the numbers of a station."""
+    zone, judgement = station.longest_zone, longest_verdict(station)
+    agrees = judgement.verdict is Verdict.AGREES
     if lost_ones := _lost(run):
         yield f"nothing is known of {places(lost_ones)}, which may be worse"
     if run.failure is not None:
         yield Kind.INCOMPLETE.seen
     elif run.loads.cycle is None and station.friction != 0 and math.isnan(station.largest_range):
         yield Kind.NO_CYCLE.seen
-    elif math.isfinite(contact.cycle_change) and not contact.steady:
+    # Of these numbers slip alone depends on what was before; it may agree with what does not.
+    elif not (contact.steady or agrees) and math.isfinite(contact.cycle_change):
         yield "the cycle is not steady"
     met = meeting_at(run, contact.name_of(station))
     if met is not None and not met.agrees:
@@ -299,7 +302,6 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
             yield f"{symbol} is known to {percent(bar / value, 0)} only"
     if any(each.kind is Kind.WITHIN_STEP for each in contact.warnings):
         yield "P is largest within a step, and K_N not that of it: see the warning"
-    zone, judgement = station.longest_zone, longest_verdict(station)
     # What nodes do not show the plane problem next to the station does.
     shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)
     if judgement.verdict is Verdict.NOT_RESOLVED or not shown:
@@ -360,10 +362,9 @@ def _agreement(run: Result) -> str:
         zones = "slip zones unknown" if any(e.lack.whole for e in stations) else "no slip zones"
         return f"{len(stations)} {_what(run, len(stations))}, {zones}."
     others = ", ".join(f"{n} {word}" for word, n in words.items() if word is not Verdict.AGREES)
-    what = _what(run, words.total())
     return (
-        f"At {words[Verdict.AGREES]} of {words.total()} {what} the longest slip zone agrees with "
-        f"the prediction of the edge factors{f' ({others})' if others else ''}."
+        f"At {words[Verdict.AGREES]} of {words.total()} {_what(run, words.total())} the longest "
+        f"slip zone agrees with the prediction of the edge factors{f' ({others})' * bool(others)}."
         f"{f' {rest}' if still else ''}"
     )
 

@@ -3,10 +3,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from cases.edge_histories import edge_history
 
-from fretfe.evaluate.edge_loads import edge_loads
+from fretfe.evaluate.edge_loads import edge_loads, k_n_by_hold
 
 FORCE = np.array([0.0, 1.0, 2.0, 3.0, 2.0, 0.0])
 SHEAR = np.array([0.0, 0.0, 0.2, 0.6, 0.1, 0.0])
@@ -27,3 +30,24 @@ def test_contacts_too_small_to_tell_hold_as_those_beside_them_do(unknown: list[i
     at = unit[3]
     np.testing.assert_allclose(found.hold, at * FORCE, rtol=1e-12)
     np.testing.assert_allclose(found.shear[:5], at * SHEAR[:5], atol=1e-12)
+
+
+def test_k_n_goes_with_the_hold_where_fits_hardly_know_it() -> None:
+    """A sphere, K_N as P^(1/6): known at most P, hardly at others; what is far from both stays."""
+    force = np.array([0.0, 1.0, 0.8, 0.65, 0.5, 0.1, 1.0])
+    exact = force ** (1 / 6)
+    spread = np.array([np.inf, 0.02, 0.5, 0.03, 0.7, 0.6, 0.02])
+    station = replace(
+        edge_history(0.0 * force, hold=force),
+        k_n=np.array([np.nan, 1.0, 1.2, exact[3], 1.3, 0.3, 1.0]),
+        k_n_spread=spread,
+    )
+    found = k_n_by_hold(station)
+    np.testing.assert_allclose(found.k_n[1:5], exact[1:5], rtol=1e-12)
+    assert found.k_n[5] == 0.3 and found.k_n_spread[5] == 0.6
+    np.testing.assert_array_equal(found.k_n_spread[[1, 3, 6]], spread[[1, 3, 6]])
+    # As far as the nearer one differs, and as that is known.
+    assert found.k_n_spread[2] == pytest.approx(np.hypot(0.03, exact[2] - exact[3]))
+    assert found.k_n_spread[4] == pytest.approx(np.hypot(0.03, exact[3] - exact[4]))
+    only = replace(station, k_n_spread=np.where(force == 1, spread, np.inf))
+    assert k_n_by_hold(only) is only
