@@ -938,7 +938,7 @@ class Contact:
         float, Quantity("", "range of Q by half-planes over that of full stick, less 1")
     ] = math.nan
     cycle_change: Annotated[
-        float, Quantity("", "change of the shear over the evaluated cycle relative to f p_max")
+        float, Quantity("", "change of the shear over the evaluated cycle, by the friction bound")
     ]
     steady: Annotated[bool, Quantity("", "whether the cycle is steady")]
     dissipation: Annotated[

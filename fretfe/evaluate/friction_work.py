@@ -68,6 +68,12 @@ def work_before(solution: Solution, contact: ContactHistory) -> float:
     return sum(float(contact.dissipation[a + 1 : b + 1].sum()) for a, b in before) or math.nan
 
 
+def work_settles(solution: Solution, contact: ContactHistory) -> bool:
+    """True if friction work changes by no more than its bar from the cycle before, if any."""
+    work, spread = (float(each.sum()) for each in friction_work(solution, contact))
+    return not abs(work - work_before(solution, contact)) > spread
+
+
 def _alike(contact: ContactHistory, elements: Indices, state: int) -> bool:
     """True if the front lies alike in many elements, so that their errors do not average out.
 

@@ -29,6 +29,7 @@ from fretfe.errors import ConvergenceError, ModelError, OutputError, StoppedErro
 from fretfe.evaluate.contacts import Contact
 from fretfe.evaluate.cycles import cycle_changes, may_become_steady
 from fretfe.evaluate.evaluate import Tracks, evaluate, unknown_contacts, with_patches
+from fretfe.evaluate.friction_work import work_settles
 from fretfe.evaluate.limits import (
     ModelLimit,
     unlike_notes,
@@ -225,6 +226,7 @@ class _Run:
         solution, contacts = at_step_ends(solution, contacts)
         self._solution, self._contacts = solution, contacts
         repeats, told = (each.text for each in solution.repeats), case.edges.reference_length
+        left = max((each.cycle_change for each in contacts), default=0.0)
         return Result(
             case=case,
             loads=solution.loads,
@@ -237,7 +239,7 @@ class _Run:
                 *self._prepared.mesh.notes,
                 *divided,
                 *repeats,
-                *added,
+                *(f"{each}; it changes shear by {left:.2g} of friction's bound" for each in added),
                 *guarded("notes", lambda: tuple(unlike_notes(told, contacts)), lambda _: ()),
                 *guarded("notes", lambda: tuple(friction_notes(model, solution)), lambda _: ()),
             ),
@@ -504,11 +506,13 @@ def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> boo
     """True if the last cycle is steady, or more of them would not make it so."""
     solution = recorder.solution(cycles.solved(recorder.steps_done), {})
     changes = [cycle_changes(solution, contact) for contact in solution.contacts]
-    if not may_become_steady(changes):
+    settled = all(work_settles(solution, contact) for contact in solution.contacts)
+    if settled and not may_become_steady(changes):
         return True
     worst = max(each[0] for each in changes)
     options.announce(
-        f"not steady: the shear changes by {worst:.2g} f p_max over the cycle; more are solved"
+        f"not steady: the shear changes by {worst:.2g} of the friction bound over the cycle, or "
+        "its friction work by more than its bar; more are solved"
     )
     return False
 

@@ -257,7 +257,7 @@ def _contact_rows(result: Result, contact: Contact) -> Iterator[Row]:
     if math.isnan(change):
         yield at.missing(quantity, _no_change(result, contact))
     else:
-        given = "relative to f p_max: the cycle is steady"
+        given = "relative to the friction bound: the cycle is steady"
         yield at.compared(quantity, change, 0.0, STEADY, given)
     if contact.solid and not contact.fronts and contact.normal_force[-1] > 0:
         reason = contact.lack.text or "nobody looked for them"

@@ -64,7 +64,7 @@ def run(options: RunOptions = DEFAULTS, cycles: int = 1, **cycle: Any) -> Result
 
 def tractions(result: Result) -> Array:
     (contact,) = result.solution.contacts
-    return np.asarray(contact.traction)[result.solution.ends]
+    return np.asarray(contact.mean_traction)[result.solution.ends]
 
 
 def iterations(result: Result) -> int:
@@ -83,14 +83,25 @@ def test_cycles_are_added_until_one_is_steady() -> None:
     assert (
         f"the loads of the case have 1 cycle. {added} cycles like the last one were added, because "
         "the shear still changed from cycle to cycle. The results are those of cycle "
-        f"{added + 1} of {added + 1}, from t = {added + 1} to {added + 2} s"
+        f"{added + 1} of {added + 1}, from t = {added + 1} to {added + 2} s; it changes shear by "
+        f"{contact.cycle_change:.2g} of friction's bound"
     ) in result.notes
     # A line for each cycle before the last one, but for those behind an extrapolation of slip.
     lines = [text for text in told.announced if text.startswith("not steady")]
-    changes = [float(text.split("by ")[1].split(" f p_max")[0]) for text in lines]
+    changes = [float(text.split("by ")[1].split(" of")[0]) for text in lines]
     assert len(lines) == added - (added + 1) // 3 and added > 4
     assert changes == sorted(changes, reverse=True)
     assert contact.steady and contact.cycle_change < STEADY_CHANGE <= changes[-1]
+    (history,) = result.solution.contacts
+    found, weights = tractions(result), history.surface.weights
+    pressure = (found[first : last + 1, :, 0] @ weights).max()
+    change = np.linalg.norm((found[last] - found[first])[:, 1:], axis=1)
+    assert contact.cycle_change == pytest.approx(change @ weights / (0.5 * pressure))
+    # What is left of the change of friction work is in its bar.
+    left = abs(contact.dissipation - contact.dissipation / (1 + contact.dissipation_change))
+    assert 0 < left < contact.dissipation_spread - left
+    # One node by far more than the contact on average, and not at that the number is taken.
+    assert change.max() > 3 * contact.cycle_change * 0.5 * found[last, :, 0].mean()
     kinds = {each.kind for each in contact.warnings}
     assert Kind.UNSTEADY not in kinds
     # The pad touches as far as both bodies end, where no group could go on.

@@ -109,7 +109,8 @@ def prolonged(tmp_path_factory: pytest.TempPathFactory) -> tuple[Case, Path]:
     case = solid({"press": pressed, "shear": shear(150.0, steps=8)})
     folder = tmp_path_factory.mktemp("prolonged")
     result = RUNNER.run(case, folder)
-    assert len(result.loads.times) - 1 > 19 + 4 * 8
+    # Longer than where any test cuts it off.
+    assert len(result.loads.times) - 1 > 41
     return case, folder
 
 

@@ -13,7 +13,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Frame, Front, unknown_station
 from fretfe.evaluate.factors import FactorHistories, pressed_on, rotated
-from fretfe.evaluate.friction_work import friction_work
+from fretfe.evaluate.friction_work import friction_work, work_before
 from fretfe.evaluate.increments import ContactSteps, UnitFactors
 from fretfe.evaluate.loaded import normal_force, pressed_state
 from fretfe.evaluate.resultants import solid_resultants
@@ -68,6 +68,7 @@ def evaluate_solids(
     reference = pressed_state(solution, contact)
     missing = not nobody and not any(track.state == reference for track in tracks)
     work, spread = (float(each.sum()) for each in friction_work(solution, contact))
+    change = abs(work - work_before(solution, contact))
     stations = [each for front in fronts for each in front.stations]
     hidden = [any(zone.hides for zone in each.evaluated_zones) for each in stations]
     still = not found["normal_force"].any() or (bool(stations) and all(s.still for s in stations))
@@ -80,7 +81,7 @@ def evaluate_solids(
         "lack": why_no_fronts(contact, reference) if missing else TOLD,
         "patches": patches,
         "dissipation": work,
-        "dissipation_spread": spread,
+        "dissipation_spread": spread + (change if change > 0 else 0.0),
     }
 
 
