@@ -172,8 +172,8 @@ def k_n_by_hold(station: StationHistory) -> StationHistory:
     """Its K_N in states that hardly know it by two that do, as a power of the hold.
 
     As P moves an edge its K_N goes with the hold, but fits know it better or worse as the edge lies
-    in an element. The bar has all that it differs by from the nearer one of both; none is farther
-    from them than they are apart.
+    in an element. The bar has all that it differs by from the nearer one of both, and is less than
+    half that of the fit; none is farther from the two than they are apart.
     """
     k_n, spread, hold = station.k_n, station.k_n_spread, station.hold
     known = np.flatnonzero((spread < LARGEST_SPREAD * k_n) & (hold > 0))
@@ -188,6 +188,7 @@ def k_n_by_hold(station: StationHistory) -> StationHistory:
     found = k_n[low] * (k_n[high] / k_n[low]) ** np.where(near, share, 0.0)
     apart = abs(found - np.where(share < 0.5, k_n[low], k_n[high]))
     bar = np.hypot(np.maximum(spread[low], spread[high]), apart)
-    better = near & ~(bar >= spread)
+    # Where all of a contact slides its edges move by more than their hold: fits are to agree.
+    better = near & ~(2 * bar >= spread) & ~(abs(found - k_n) > spread)
     k_n, spread = np.where(better, found, k_n), np.where(better, bar, spread)
     return replace(station, k_n=k_n, k_n_spread=spread)

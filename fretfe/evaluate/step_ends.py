@@ -25,6 +25,8 @@ CONTACT = (
     "stick_area", "largest_pressure", "effective_tension",
 )  # fmt: skip
 PATCH = ("normal_force", "shear_force", "contact_area")
+# States of a station.
+STATES = ("last", "decisive", "equivalent_end", "largest_start", "largest_end")
 FIELDS = ("traction", "mean_traction", "gap", "slip", "status")
 
 
@@ -147,15 +149,12 @@ class StepEnds:
 
     def _station(self, station: Station) -> Station:
         cycles = station.cycles
+        states: dict[str, Any] = {name: int(self._step[getattr(station, name)]) for name in STATES}
         return replace(
             station,
-            last=int(self._step[station.last]),
-            decisive=int(self._step[station.decisive]),
             first=int(self._step[station.first]) if station.first >= 0 else -1,
             cycles=replace(cycles, start=self._step[cycles.start], end=self._step[cycles.end]),
-            equivalent_end=int(self._step[station.equivalent_end]),
-            largest_start=int(self._step[station.largest_start]),
-            largest_end=int(self._step[station.largest_end]),
+            **states,
             slip_zones=self._zones(station),
             **self._histories(station, histories(StationHistory)),
         )

@@ -510,10 +510,7 @@ def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> boo
     if settled and not may_become_steady(changes):
         return True
     worst = max(each[0] for each in changes)
-    options.announce(
-        f"not steady: the shear changes by {worst:.2g} of the friction bound over the cycle, or "
-        "its friction work by more than its bar; more are solved"
-    )
+    options.announce(f"not steady: shear changes by {worst:.2g} of its bound; more are solved")
     return False
 
 

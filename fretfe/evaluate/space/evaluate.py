@@ -131,7 +131,7 @@ def front_edges(
 ) -> Iterator[FrontEdges]:
     """The edges along each front of a contact, of unlike bodies at the reference length 1."""
     steps, force = ContactSteps.of(solution, contact, solution), normal_force(contact)
-    slip, first = SlipBetween(contact, solution.least_slip), 0
+    slip, first = SlipBetween(contact, solution.least_slip, solution.cycle), 0
     for number, track in enumerate(tracks):
         own = slice(first, first + len(track.front.sectors))
         first = own.stop

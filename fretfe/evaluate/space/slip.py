@@ -172,16 +172,20 @@ class SlipBetween:
     Args:
         contact: one contact.
         least: (T,) slip of a node beyond which it counts in the step to each state.
+        cycle: first and last state of the evaluated cycle; None without.
     """
 
-    def __init__(self, contact: ContactHistory, least: Array) -> None:
-        self._contact, self._least = contact, least
+    def __init__(
+        self, contact: ContactHistory, least: Array, cycle: tuple[int, int] | None = None
+    ) -> None:
+        self._contact, self._least, self._cycle = contact, least, cycle
         self._read: dict[tuple[int, int], tuple[Array, Bools]] = {}
 
     def steps(self, start: int, end: int) -> tuple[Array, Bools]:
         """(k, N, 3) slip in each step between two states, and (N,) nodes in contact at the end."""
         if (start, end) not in self._read:
-            contact, parts = self._contact, []
+            contact = self._contact
+            parts = [np.empty((0, *contact.surface.points.shape))]
             for part in blocks(end - start, contact.surface.points.size):
                 first, last = start + part.start, start + part.stop
                 slip = slip_in_steps(contact, first, last, self._least)
@@ -228,12 +232,35 @@ class SlipBetween:
                 border = by(1.0)
                 if border.gross:  # it ends where nodes are too far from the station
                     border = replace(border, gross=False, resolved=False)
+            if border.gross:
+                returned = np.minimum(slip, self._back(start, end, sector, area))
+                # Else all of it goes one way from cycle to cycle.
+                if 2 * returned.max() > slip.max():
+                    least = SMALLEST_SLIP * returned.max()
+                    slip, moved = returned, closed[sector.nodes] & (returned > least)
+                    border = by(1.0)
             grown = growth(start, end)
             if grown is not None:
                 border = evened(grown, sector.s - here, border, by, sector.size)
             return border
 
         return find
+
+    def _back(self, start: int, end: int, sector: Sector, area: Array) -> Array:
+        """(m,) slip of a sector's nodes in the rest of the cycle against that between two states.
+
+        What creeps from cycle to cycle does not go back: all of a contact may creep by a part of
+        what slips at its edges, and no length is that of slip that is none in the steady cycle.
+        """
+        first, last = self._cycle or (end, start)
+        if not first <= start < end <= last:
+            return 0.0 * area
+        steps = self.steps(first, last)[0][:, sector.nodes]
+        own = slice(start - first, end - first)
+        total = np.einsum("n,knd->d", sector.fade * area, steps[own])
+        along = steps @ (total / (np.linalg.norm(total) or 1.0))
+        along[own] = 0.0
+        return np.asarray(np.maximum(-along, 0.0).sum(axis=0))
 
     def _sticks(self, steps: Array, nodes: Indices) -> bool:
         """True if some nodes (m,), all in contact, have not all slipped in steps (k, m, 3)."""

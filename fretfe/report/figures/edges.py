@@ -22,7 +22,6 @@ from fretfe._typing import Array, Bools
 from fretfe.case import Units
 from fretfe.evaluate.contacts import (
     Contact,
-    CountedCycles,
     Front,
     HalfSpaceRatios,
     SlipZone,
@@ -34,12 +33,11 @@ from fretfe.evaluate.plane.section import plane_front
 from fretfe.history.solution import Solution
 from fretfe.report.figures.history import rows_of, time_panels
 from fretfe.report.page.ends import end_lines
-from fretfe.report.plotting import Axes, Figure, MaxNLocator
+from fretfe.report.plotting import Axes, Figure
 from fretfe.report.source import Shown, edge_title, when
 from fretfe.report.texts import MISSING, number, with_error
 from fretfe.report.theme import (
     BLUE,
-    COLOURS,
     DOUBLE,
     GREEN,
     GREY,
@@ -283,7 +281,7 @@ def _positive(values: Array) -> Array:
 
 
 def cycle_plot(shown: Shown, edge: Station) -> Plot | None:
-    """Histogram and from-to matrix of an edge; None if its loads are regular."""
+    """Histogram of the cycles of an edge; None if its loads are regular."""
     if not edge.cycles.irregular:
         return None
     where = "each repetition" if edge.cycles.closed else "the history"
@@ -291,24 +289,14 @@ def cycle_plot(shown: Shown, edge: Station) -> Plot | None:
         f"{shown.key}-{edge.front}-cycles",
         f"Contact {shown.summary.name}, {edge_title(edge)}",
         f"{number(float(edge.cycles.count.sum()))} cycles in {where}.",
-        DOUBLE,
+        SINGLE,
         lambda figure: _draw_cycles(figure, shown, edge),
     )
 
 
 def _draw_cycles(figure: Figure, shown: Shown, edge: Station) -> None:
-    top, bottom = figure.subplots(2, 1, height_ratios=(2, 3))
-    unit = f"[{shown.run.unit('k_t')}]"
-    _histogram(top, edge.cycles)
-    top.set_xlabel(f"ΔK_T {unit}")
-    top.set_ylabel("cycles")
-    _matrix(figure, bottom, edge)
-    bottom.set_xlabel(f"to K_T {unit}")
-    bottom.set_ylabel(f"from K_T {unit}")
-
-
-def _histogram(axes: Axes, cycles: CountedCycles) -> None:
     """Counts by classes of the range; logarithmic, as small cycles are many."""
+    axes, cycles = figure.subplots(), edge.cycles
     counts, borders = np.histogram(
         cycles.k_t_range, CLASSES, (0.0, cycles.k_t_range.max()), weights=cycles.count
     )
@@ -318,27 +306,8 @@ def _histogram(axes: Axes, cycles: CountedCycles) -> None:
     axes.set_xlim(0.0, 1.04 * borders[-1])
     axes.axvline(cycles.k_t_range[cycles.worst], color=VERMILLION, ls="--", lw=1.0)
     plain_axis(axes, "x")
-
-
-def _matrix(figure: Figure, axes: Axes, edge: Station) -> None:
-    cycles = edge.cycles
-    begin, end = edge.reversals
-    limits = (min(begin.min(), end.min()), max(begin.max(), end.max()))
-    counts, rows, columns = np.histogram2d(
-        begin, end, CLASSES, (limits, limits), weights=cycles.count
-    )
-    look: Any = {"cmap": f"{COLOURS}_r", "vmin": 0.0, "rasterized": True}
-    image = axes.pcolormesh(columns, rows, np.ma.masked_equal(counts, 0.0), **look)
-    axes.plot(limits, limits, color=GREY, lw=0.6)
-    worst = end[cycles.worst], begin[cycles.worst]
-    (point,) = axes.plot(*worst, "o", mfc="none", color=VERMILLION, ms=8)
-    # Whole in a corner too, where the worst cycle is.
-    point.set(clip_on=False, in_layout=False)
-    axes.set_aspect("equal")
-    for which in ("x", "y"):
-        plain_axis(axes, which)
-    bar = figure.colorbar(image, ax=axes, label="cycles")
-    bar.ax.yaxis.set_major_locator(MaxNLocator(4, integer=True))
+    axes.set_xlabel(f"ΔK_T [{shown.run.unit('k_t')}]")
+    axes.set_ylabel("cycles")
 
 
 def force_plot(run: Result, area: Contact, key: str) -> Plot:
