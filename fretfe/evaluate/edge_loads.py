@@ -5,6 +5,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from fretfe.evaluate.contacts import LARGEST_SPREAD, NOTHING, StationHistory
 from fretfe.evaluate.increments import left_over, mean_of_ends, next_known
 from fretfe.history.solution import Factor
 
+History = TypeVar("History", bound=StationHistory)
 # Factors of drivers cancel one another where their sum is less than this part of its terms.
 CANCELS = 0.3
 # Part of its largest hold up to which an edge between bodies with elements counts as parted: with
@@ -168,7 +170,7 @@ def _size_of_edge(
     return size, beside
 
 
-def k_n_by_hold(station: StationHistory) -> StationHistory:
+def k_n_by_hold(station: History) -> History:
     """Its K_N in states that hardly know it by two that do, as a power of the hold.
 
     As P moves an edge its K_N goes with the hold, but fits know it better or worse as the edge lies

@@ -29,7 +29,6 @@ from fretfe.evaluate.edge_fit import EdgeFit
 from fretfe.evaluate.edge_loads import (
     EdgeLoads,
     edge_loads,
-    k_n_by_hold,
     returned,
     unlike_loads,
     without_traces,
@@ -284,7 +283,6 @@ class EdgeData(ABC):
         direction, turning = main_direction(vectors, cycle)
         loads = self._loads(number, history, vectors @ direction, direction)
         history = replace(history, slid=self.slid(number, direction), **vars(loads))
-        history = history if beta else k_n_by_hold(history)
         along = replace(history, k_t=vectors @ direction)
         states = self.ranged(along.k_t)
         decisive = decisive_state(self.force, along.k_t, cycle, self.steps.solution.ends)

@@ -29,7 +29,7 @@ ROOM_LINES = {
     "cli": 1558,
     "contact": 2286,
     "decision": 1985,
-    "evaluate": 8739,
+    "evaluate": 8740,
     "exchange": 2114,
     "fem": 4133,
     "fields": 1126,

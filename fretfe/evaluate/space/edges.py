@@ -12,6 +12,7 @@ import numpy as np
 
 from fretfe._typing import Array, Bools
 from fretfe.evaluate.contacts import NO_NUMBER, Frame, SlipZone, Station
+from fretfe.evaluate.edge_loads import k_n_by_hold
 from fretfe.evaluate.friction_behind import FrictionBehind, straight_inward
 from fretfe.evaluate.growth import FindGrowth
 from fretfe.evaluate.numerics import last_known
@@ -151,6 +152,7 @@ class FrontEdges(EdgeData):
     def completed(self, number: int, station: Station) -> Station:
         """The station with its place along the front, and what that makes of the contact there."""
         front, frames = self.track.front, self.track.front.frames
+        station = station if self.steps.dundurs else k_n_by_hold(station)
         length = self._length(number)
         lack = Reason(Kind.FREE_END) if front.copied[number] else station.lack
         depth, to_end = float(front.depth[number]), float(frames.to_free_end[number])
