@@ -307,7 +307,7 @@ class _Path:
         left_out = solution.source != np.arange(len(solution.times))
         own, *before = [begin for begin, _ in same_cycles(solution, contact.friction)] or [first]
         left_out[before[-1] if before else own : before[0] if before else own] = True
-        left_out[first:] = False
+        left_out[before[0] if before else first :] = False  # half cycles begin in the one before
         carries = np.flatnonzero(loaded(normal_force(contact))[: last + 1])
         end = int(carries[-1]) if len(carries) else last
         cycle = solution.cycle if end == last else None
