@@ -73,9 +73,9 @@ class SeenEdge(EdgeMemory):
         seen = Slip(hold, way, front, states, slices, np.zeros((0, 2)), BEHIND)
         one = np.ones(1)
         places = Places(0 * one, one, 1.0, 1.0, 0 * one, one, 0.0)  # as far from the middle
-        fields = vars(replace(memory, station=replace(station, hold=hold), places=places))
-        known = {name: fields[name] for name in EdgeMemory.__dataclass_fields__}
-        found = cls(**{**known, "gained": hold}, seen=seen, find=find, size=size)
+        moved = replace(memory, station=replace(station, hold=hold), places=places, gained=hold)
+        known = {name: getattr(moved, name) for name in EdgeMemory.__dataclass_fields__}
+        found = cls(**known, seen=seen, find=find, size=size)
         return replace(found, seen=seen.where(found._counted(np.abs(slip))))
 
     @cached_property
@@ -93,11 +93,11 @@ class SeenEdge(EdgeMemory):
         stretches = self._stretches(half.start, half.turn, half.way)
         near = [e for e, f, _ in stretches if self.length(e, f) >= half.length - self.size]
         borders = [self.find(half.start, state) for state in near]
-        lengths = [each.length if each.resolved else 0.0 for each in borders]
-        longest = max(lengths)
-        end = max(state for state, length in zip(near, lengths, strict=True) if length == longest)
+        # All of them may slip, or nodes do not tell where they stick.
+        known = [each.length if each.resolved and not each.gross else 0.0 for each in borders]
+        longest, end = max(zip(known, near, strict=True))
         before = self.find(half.start, end - 1).length if end - 1 > half.start else 0.0
-        goes_on = end == half.turn and self._smooth(end)
+        goes_on = end == half.turn and math.isfinite(before) and self._smooth(end)
         return replace(half, end=end, within=abs(longest - before) / 2 if goes_on else 0.0)
 
     def _smooth(self, state: int) -> bool:

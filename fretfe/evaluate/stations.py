@@ -26,13 +26,7 @@ from fretfe.evaluate.contacts import (
 )
 from fretfe.evaluate.cycles import count_cycles
 from fretfe.evaluate.edge_fit import EdgeFit
-from fretfe.evaluate.edge_loads import (
-    EdgeLoads,
-    edge_loads,
-    returned,
-    unlike_loads,
-    without_traces,
-)
+from fretfe.evaluate.edge_loads import EdgeLoads, edge_loads, returned, unlike_loads, without_traces
 from fretfe.evaluate.edge_memory import EdgeMemory, FindPath
 from fretfe.evaluate.edge_slip import HalfCycle
 from fretfe.evaluate.factors import (
@@ -432,7 +426,7 @@ class EdgeData(ABC):
         alone, irregular = self.pressed[number] and self.steps.dundurs != 0, cycles.irregular
         if self.steps.dundurs and not alone:
             place, seen = memory.station.position, self.seen(number, direction)
-            find = self.border(number, place, memory.outer(()), lambda *_: None)
+            find = cache(self.border(number, place, memory.outer(()), lambda *_: None))
             width, size = float(self.half_widths[number]), self.size(number)
             memory = SeenEdge.by(memory, width, *seen, find, size)
         halves = half_cycles(self.cycle, memory, irregular, alone)

@@ -110,10 +110,8 @@ class FrontEdges(EdgeData):
         front, contact, place = self.track.front, self.contact, self.fits[number].position
         sector, depth = front.sectors[number], float(front.depth[number])
         steps, _ = self.slip.steps(0, len(place) - 1)
-        along, s = (
-            steps[:, sector.nodes] @ self._axis(number, direction),
-            sector.s - place[1:, None],
-        )
+        along = steps[:, sector.nodes] @ self._axis(number, direction)
+        s = sector.s - place[1:, None]
         closed = np.asarray(contact.status[1:])[:, sector.nodes] != OPEN
         return seen_slip(along, s, closed, np.full(len(s), depth), FIRM)
 

@@ -81,7 +81,7 @@ def evaluate_solids(
         "lack": why_no_fronts(contact, reference) if missing else TOLD,
         "patches": patches,
         "dissipation": work,
-        "dissipation_spread": spread + (change if change > 0 else 0.0),
+        "dissipation_spread": spread + float(np.nan_to_num(change)),
     }
 
 
