@@ -226,7 +226,8 @@ class _Run:
         solution, contacts = at_step_ends(solution, contacts)
         self._solution, self._contacts = solution, contacts
         repeats, told = (each.text for each in solution.repeats), case.edges.reference_length
-        left = max((each.cycle_change for each in contacts), default=0.0)
+        # Of contacts without friction there is none.
+        left = float(np.fmax.reduce([0.0, *(each.cycle_change for each in contacts)]))
         return Result(
             case=case,
             loads=solution.loads,
@@ -509,7 +510,7 @@ def _steady(recorder: Recorder, cycles: AddedCycles, options: RunOptions) -> boo
     settled = all(work_settles(solution, contact) for contact in solution.contacts)
     if settled and not may_become_steady(changes):
         return True
-    worst = max(each[0] for each in changes)
+    worst = float(np.fmax.reduce([each[0] for each in changes]))
     options.announce(f"not steady: shear changes by {worst:.2g} of its bound; more are solved")
     return False
 
