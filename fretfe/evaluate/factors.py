@@ -178,47 +178,6 @@ def misplaced_sums(history: Array, shares: Array) -> Array:
     return np.append(0.0, np.cumsum(np.nan_to_num(either * np.diff(history))))
 
 
-def pressed_on(
-    factors: Array, dundurs: float, length: float, friction: Array, cycle: Indices
-) -> bool:
-    """True if P alone drives an edge: there is no cycle, and K_T grows by less than f K_I.
-
-    Args:
-        factors: (T, d) of the edge, between unlike bodies at the length 1.
-        dundurs: beta.
-        length: at which P adds nothing to K_T of unlike bodies, about the width of the contact.
-        friction: (T,) coefficient in the step that ends at each state.
-        cycle: states of the evaluated cycle.
-    """
-    if len(cycle) or not friction.any():
-        return False
-    own = factors_at(factors, dundurs, length / K_T_LENGTH) if dundurs else factors
-    begin = max(int(np.argmax(friction > 0)) - 1, 0)
-    known = own[begin:][np.isfinite(own[begin:]).all(axis=1)]
-    if not len(known):
-        return False
-    # What pressed before the last way of the shear has no part in the slip of that.
-    known = known[_last_way(known[:, Factor.K_T :]) :]
-    ranges = np.ptp(known, axis=0)
-    shear = float(np.linalg.norm(ranges[Factor.K_T :]))
-    # Loads that stay as they are drive nothing: what K_I then varies by is round-off.
-    if ranges[Factor.K_I] <= 1e-9 * np.abs(known[:, Factor.K_I]).max():
-        return False
-    return shear < float(friction.max() * ranges[Factor.K_I])
-
-
-def _last_way(shear: Array) -> int:
-    """State from which on the shear (T, c) goes one way until the end, along its principal line."""
-    centred = shear - shear.mean(axis=0)
-    axis = np.linalg.svd(centred, full_matrices=False)[2][0]
-    way = np.diff(shear @ axis)
-    still = np.abs(way) <= 1e-9 * np.abs(way).max(initial=0.0)
-    signs = np.where(still, 0.0, np.sign(way))
-    last = signs[np.flatnonzero(signs)[-1]] if signs.any() else 0.0
-    against = np.flatnonzero(signs == -last) if last else np.arange(0)
-    return int(against[-1]) + 1 if len(against) else 0
-
-
 def reference_length(
     dundurs: float,
     fit: EdgeFit,

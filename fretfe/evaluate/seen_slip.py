@@ -13,11 +13,13 @@ from functools import cached_property
 
 import numpy as np
 
-from fretfe._typing import Array, Bools
+from fretfe._typing import Array, Bools, Indices
 from fretfe.evaluate.edge_memory import INNER, EdgeMemory
 from fretfe.evaluate.edge_slip import BEHIND, HalfCycle, Places, Slip
+from fretfe.evaluate.factors import K_T_LENGTH, factors_at
 from fretfe.evaluate.numerics import last_known
-from fretfe.evaluate.slip import FEWEST_STUCK, SMALLEST_SLIP, FindBorder
+from fretfe.evaluate.slip import FEWEST_STUCK, SMALLEST_SLIP, FindBorder, SlipBorder
+from fretfe.history.solution import Factor
 
 # Slip goes with the length of a zone to the power of 3/2: zones of a twentieth of the longest are
 # none, nor is the slip of a step that is as small a part of its half cycle.
@@ -34,11 +36,13 @@ class SeenEdge(EdgeMemory):
         seen: that slip.
         find: gives its border between two states.
         size: of an element at the edge.
+        covers: (T,) whether all places slip that the step to a state covers.
     """
 
     seen: Slip
     find: FindBorder
     size: float
+    covers: Bools
 
     @classmethod
     def by(
@@ -67,6 +71,10 @@ class SeenEdge(EdgeMemory):
         own = np.arange(memory.last + 1)
         way = np.where(own > memory.begin, np.sign(slip[own]), 0.0)
         front = np.where(way == 0, np.nan, np.maximum(hold[own] - reach[own], 0.0))
+        # What a step covers slips from the old edge on, or not at all, but for what steps miss.
+        old = np.append(math.nan, hold[own][:-1])
+        covers = (way == np.append(0, way[:-1])) & (front - old < size + INNER * (hold[own] - old))
+        front = np.where(covers, np.minimum(front, old), front)
         states = np.flatnonzero(front < hold[own])
         low, high = front[states], hold[own][states]
         slices = np.column_stack([low, high, memory.friction[states] * (high - low)])
@@ -75,13 +83,31 @@ class SeenEdge(EdgeMemory):
         places = Places(0 * one, one, 1.0, 1.0, 0 * one, one, 0.0)  # as far from the middle
         moved = replace(memory, station=replace(station, hold=hold), places=places, gained=hold)
         known = {name: getattr(moved, name) for name in EdgeMemory.__dataclass_fields__}
-        found = cls(**known, seen=seen, find=find, size=size)
+        found = cls(**known, seen=seen, find=find, size=size, covers=covers)
         return replace(found, seen=seen.where(found._counted(np.abs(slip))))
 
     @cached_property
     def half_cycles(self) -> tuple[HalfCycle, ...]:
         """All half cycles, each with the state in which its border is farthest from the edge."""
         return tuple(map(self._longest, super().half_cycles))
+
+    def over_holes(self, find: FindBorder) -> FindBorder:
+        """Borders of slip between two states, beyond what steps miss of places that they cover."""
+
+        def border(start: int, end: int) -> SlipBorder:
+            found = before = find(start, end)
+            state = end
+            while self.covers[state] and state - 1 > start and not before.resolved:
+                state -= 1
+                before = find(start, state)
+            inner = float(self.hold[state]) - before.length  # NaN where all slips
+            own = self.seen.front[state + 1 : end + 1] >= inner - self.size
+            if state == end or not (before.resolved and own.all()):
+                return found
+            length, spread = float(self.hold[end]) - inner, math.hypot(before.spread, self.size)
+            return replace(before, length=length, spread=spread)
+
+        return border
 
     def _longest(self, half: HalfCycle) -> HalfCycle:
         """A half cycle that ends where borders tell, where nodes are the same to an element.
@@ -92,11 +118,12 @@ class SeenEdge(EdgeMemory):
             return half
         stretches = self._stretches(half.start, half.turn, half.way)
         near = [e for e, f, _ in stretches if self.length(e, f) >= half.length - self.size]
-        borders = [self.find(half.start, state) for state in near]
+        find = self.over_holes(self.find)
+        borders = [find(half.start, state) for state in near]
         # All of them may slip, or nodes do not tell where they stick.
         known = [each.length if each.resolved and not each.gross else 0.0 for each in borders]
         longest, end = max(zip(known, near, strict=True))
-        before = self.find(half.start, end - 1).length if end - 1 > half.start else 0.0
+        before = find(half.start, end - 1).length if end - 1 > half.start else 0.0
         goes_on = end == half.turn and math.isfinite(before) and self._smooth(end)
         return replace(half, end=end, within=abs(longest - before) / 2 if goes_on else 0.0)
 
@@ -149,3 +176,24 @@ def seen_slip(
     reach = np.where(slipping & begins, s, 0.0).max(axis=1, initial=0.0)
     reach[(slipping | ~there).all(axis=1)] = np.inf
     return np.append(0.0, np.where(reach > 0, largest, 0.0)), np.append(0.0, reach)
+
+
+def pressed_on(
+    factors: Array, dundurs: float, length: float, friction: Array, cycle: Indices
+) -> bool:
+    """True if P alone drives an edge: there is no cycle, and K_T grows by less than f K_I.
+
+    Args:
+        factors: (T, d) of the edge, between unlike bodies at the length 1.
+        dundurs: beta.
+        length: at which P adds nothing to K_T of unlike bodies, about the width of the contact.
+        friction: (T,) coefficient in the step that ends at each state.
+        cycle: states of the evaluated cycle.
+    """
+    own = factors_at(factors, dundurs, length / K_T_LENGTH) if dundurs else factors
+    begin = max(int(np.argmax(friction > 0)) - 1, 0)
+    steps = np.abs(np.diff(own[begin:][np.isfinite(own[begin:]).all(axis=1)], axis=0))
+    bound = float(friction.max()) * steps[:, Factor.K_I]
+    shear = np.linalg.norm(steps[:, Factor.K_T :], axis=1)
+    # In all of its steps, but for what is faint.
+    return not len(cycle) and float(shear[shear > bound].sum()) < FAINT * float(bound.sum())

@@ -450,11 +450,12 @@ class EdgeData(ABC):
                 return None
             return zone_growth(memory, start, end, outer)
 
+        find = self.border(number, memory.station.position, outer, growth)
         return zones_of(
             self.cycle,
             memory,
             halves,
-            self.border(number, memory.station.position, outer, growth),
+            memory.over_holes(find) if isinstance(memory, SeenEdge) else find,
             self.pressed[number] and self.steps.dundurs != 0,
             self.steps.dundurs != 0,
         )

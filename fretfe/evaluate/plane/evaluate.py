@@ -14,7 +14,7 @@ import numpy as np
 from fretfe._typing import Array
 from fretfe.analytic.edges import oscillation
 from fretfe.evaluate.contacts import Front, Station, fronts_of, unknown_station
-from fretfe.evaluate.factors import K_T_LENGTH, factors_at, pressed_on
+from fretfe.evaluate.factors import K_T_LENGTH, factors_at
 from fretfe.evaluate.friction_work import friction_work
 from fretfe.evaluate.increments import ContactSteps, Cycle, UnitFactors
 from fretfe.evaluate.loaded import evaluated_states, normal_force, with_own_cycle
@@ -30,6 +30,7 @@ from fretfe.evaluate.plane.lacks import with_lack
 from fretfe.evaluate.plane.section import PLANE_FRONTS
 from fretfe.evaluate.plane.symmetry import NO_EDGE
 from fretfe.evaluate.resultants import plane_resultants
+from fretfe.evaluate.seen_slip import pressed_on
 from fretfe.evaluate.slip import cycle_states
 from fretfe.history.solution import ContactHistory, Factor, Solution
 

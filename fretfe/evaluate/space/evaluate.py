@@ -12,11 +12,12 @@ import numpy as np
 
 from fretfe._typing import Array
 from fretfe.evaluate.contacts import Frame, Front, unknown_station
-from fretfe.evaluate.factors import FactorHistories, pressed_on, rotated
+from fretfe.evaluate.factors import FactorHistories, rotated
 from fretfe.evaluate.friction_work import friction_work, work_before
 from fretfe.evaluate.increments import ContactSteps, UnitFactors
 from fretfe.evaluate.loaded import normal_force, pressed_state
 from fretfe.evaluate.resultants import solid_resultants
+from fretfe.evaluate.seen_slip import pressed_on
 from fretfe.evaluate.slip import cycle_states
 from fretfe.evaluate.space.contact_area import why_no_fronts
 from fretfe.evaluate.space.edges import FrontEdges, moved_stations
