@@ -79,11 +79,10 @@ class SeenEdge(EdgeMemory):
         low, high = front[states], hold[own][states]
         slices = np.column_stack([low, high, memory.friction[states] * (high - low)])
         seen = Slip(hold, way, front, states, slices, np.zeros((0, 2)), BEHIND)
-        one = np.ones(1)
-        places = Places(0 * one, one, 1.0, 1.0, 0 * one, one, 0.0)  # as far from the middle
+        # As far from the middle.
+        places = Places(np.zeros(1), np.ones(1), 1.0, 1.0, np.zeros(1), np.ones(1), 0.0)
         moved = replace(memory, station=replace(station, hold=hold), places=places, gained=hold)
-        known = {name: getattr(moved, name) for name in EdgeMemory.__dataclass_fields__}
-        found = cls(**known, seen=seen, find=find, size=size, covers=covers)
+        found = cls(**vars(moved), seen=seen, find=find, size=size, covers=covers)
         return replace(found, seen=seen.where(found._counted(np.abs(slip))))
 
     @cached_property
@@ -117,20 +116,21 @@ class SeenEdge(EdgeMemory):
         if math.isnan(half.length):
             return half
         stretches = self._stretches(half.start, half.turn, half.way)
-        near = [e for e, f, _ in stretches if self.length(e, f) >= half.length - self.size]
+        near = [each for each in stretches if self.length(*each[:2]) >= half.length - self.size]
         find = self.over_holes(self.find)
-        borders = [find(half.start, state) for state in near]
+        borders = [find(half.start, state) for state, *_ in near]
         # All of them may slip, or nodes do not tell where they stick.
         known = [each.length if each.resolved and not each.gross else 0.0 for each in borders]
-        longest, end = max(zip(known, near, strict=True))
+        longest, (end, front, since) = max(zip(known, near, strict=True))
         before = find(half.start, end - 1).length if end - 1 > half.start else 0.0
-        goes_on = end == half.turn and math.isfinite(before) and self._smooth(end)
-        return replace(half, end=end, within=abs(longest - before) / 2 if goes_on else 0.0)
+        goes_on = end == half.turn < self.last and math.isfinite(before) and self._smooth(end)
+        grown = abs(longest - before) / 2 if goes_on else 0.0
+        # It may have begun a step before nodes show it, on what that has covered.
+        covered = front - float(self.hold[max(since - 1, self.begin)])
+        return replace(half, end=end, within=max(grown, covered))
 
     def _smooth(self, state: int) -> bool:
         """True if loads go through a state like a wave, and do not turn there."""
-        if state >= self.last:
-            return False
         loads = np.array([self.station.k_i, self.station.k_t])[:, state - 1 : state + 2]
         before, after = np.diff(loads / np.nanmax(np.abs(loads), axis=1, keepdims=True), axis=1).T
         return bool(before @ after > SMOOTH * np.linalg.norm(before) * np.linalg.norm(after))
