@@ -178,8 +178,9 @@ def judged_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
 
 def worst_counted(contacts: Sequence[Contact]) -> tuple[Contact, Station] | None:
     """The station with the largest counted cycle; None if the loads of all are regular."""
-    irregular = [(c, edge) for c in contacts for edge in c.stations if edge.cycles.irregular]
-    return max(irregular, key=lambda each: each[1].cycles.k_t_range.max(), default=None)
+    every = [(c, edge) for c in contacts for edge in c.stations if len(edge.cycles.count)]
+    irregular = any(edge.cycles.irregular for _, edge in every)
+    return max(every, key=lambda each: each[1].cycles.k_t_range.max()) if irregular else None
 
 
 def worst_states(solution: Solution, contacts: Sequence[Contact]) -> Indices:
