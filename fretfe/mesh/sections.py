@@ -2,7 +2,8 @@
 """Plane sections of solid CAD bodies, for bodies that sweep them along one direction.
 
 Such bodies have two plane ends; all other faces are parallel to the direction, which the normals of
-the contact faces tell. Their mesh is that of the section, extruded and laid back into space.
+the contact faces tell, but for what is cut off at the ends. Their mesh is that of the section,
+extruded over the length of the contact faces and laid back into space.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ import contextlib
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from itertools import product
 from pathlib import Path
 from types import ModuleType
@@ -29,8 +31,9 @@ from fretfe.mesh.mesh import Mesh
 # Angles up to which normals are alike, and distances over the size of the bodies: STEP files are
 # written to 1e-7 of a unit.
 SAME_WAY = 1e-5
-# Places across a face at which its normal is taken, as parts of its range of parameters.
+# Places across a face at which its normal is taken, and along its edges, as parts of parameters.
 ACROSS = np.linspace(0.04, 0.96, 7)
+ALONG = np.linspace(0.0, 1.0, 9)
 # Angle up to which an extrusion may lean.
 MOST_SKEW = math.pi / 3
 # Layers over the length, and the thickness of those at the ends over it.
@@ -47,12 +50,14 @@ class Sweep:
         axes: (3, 3) rows are the unit vectors of x and y of the plane, and its normal.
         solid: the extrusion along the normal; a skew leans along x.
         ends: names in the case of boundaries at ends, by those of extrusions.
+        cut: bodies of whose ends something is cut off.
     """
 
     origin: Array
     axes: Array
     solid: Solid
     ends: Mapping[str, str]
+    cut: Sequence[str] = ()
 
     @property
     def lean(self) -> float:
@@ -92,9 +97,10 @@ class Sweep:
             f"{name} from {low:g} to {high:g}" for name, (low, high) in spans.items()
         )
         layers = len(layer_faces(self.solid, (True, True), names)) - 1
+        cut = f"; ends of {', '.join(self.cut)} are taken as plane ones" if self.cut else ""
         return (
             f"the bodies sweep plane sections along ({way}), {lengths}, in {layers} layers; two "
-            "fronts are expected along each contact"
+            f"fronts are expected along each contact{cut}"
         )
 
 
@@ -132,7 +138,7 @@ def sweep_of_arrays(arrays: Mapping[str, Array]) -> Sweep:
         spans={name: (start, end) for name, (start, end) in shorter.items()},
     )
     ends = {str(made): str(name) for made, name in arrays["ends"].reshape(-1, 2)}
-    return Sweep(arrays["origin"], arrays["axes"], solid, ends)
+    return Sweep(arrays["origin"], arrays["axes"], solid, ends, arrays["cut"].tolist())
 
 
 def _merged(values: Array, close: float) -> Array:
@@ -155,18 +161,21 @@ class _Solids:
         if gmsh.model.getDimension() < 3:
             raise MeshError("the bodies are plane")
         self._named = tags_of_groups(gmsh, 2)
+        self._contact = [x for name in surfaces for x in self._named.get(name, [])]
+        self._cut: list[str] = []
         self._bodies = tags_of_groups(gmsh, 3)
         self._normals = {face: self._normals_of(face) for _, face in gmsh.model.getEntities(2)}
         box = np.reshape(gmsh.model.getBoundingBox(-1, -1), (2, 3))
         self._close = SAME_WAY * float(np.linalg.norm(box[1] - box[0]))
-        self._direction = self._along([x for name in surfaces for x in self._named.get(name, [])])
+        self._direction = self._along(self._contact)
         self._normal = self._direction
 
     def arrays(self) -> Mapping[str, Array]:
         """The sweep as arrays: origin, axes, skew, bodies with spans, and names of ends."""
-        ends = {name: self._ends(name, volumes) for name, volumes in self._bodies.items()}
-        heights = {name: [self._heights(faces)[0] for faces in own] for name, own in ends.items()}
-        start = min(low for low, _ in heights.values())
+        found = {name: self._ends(name, volumes) for name, volumes in self._bodies.items()}
+        ends = {name: own for name, (own, _) in found.items()}
+        heights = np.array([own for _, own in found.values()])
+        start = float(heights.min())
         axes = self._axes()
         skew = math.atan2(float(self._direction @ axes[0]), float(self._direction @ axes[2]))
         if skew > MOST_SKEW:
@@ -175,9 +184,10 @@ class _Solids:
             "origin": start * axes[2],
             "axes": axes,
             "skew": np.array(math.degrees(skew)),
-            "bodies": np.array(list(heights)),
-            "spans": _merged(np.array(list(heights.values())) - start, self._close),
+            "bodies": np.array(list(found)),
+            "spans": _merged(heights - start, self._close),
             "ends": np.array(list(self._names_of_ends(ends)), dtype=str),
+            "cut": np.array(self._cut),
         }
 
     def _normals_of(self, face: int) -> Array:
@@ -193,64 +203,55 @@ class _Solids:
         if values[1] <= SAME_WAY * values[0]:
             raise MeshError("the contact faces are parallel to each other, and tell no direction")
         direction = axes[2] * np.sign(axes[2][np.argmax(np.abs(axes[2]))])
-        self._require_parallel(
-            faces, direction, "not parallel to one direction with its neighbours"
-        )
-        return np.asarray(direction)
-
-    def _require_parallel(self, faces: Sequence[int], direction: Array, expected: str) -> None:
         tilts = [float(np.abs(self._normals[face] @ direction).max()) for face in faces]
-        if max(tilts, default=0.0) > SAME_WAY:
-            worst = faces[int(np.argmax(tilts))]
-            raise MeshError(f"{self._text(worst)} is {expected}")
+        if max(tilts) > SAME_WAY:
+            worst = self._text(faces[int(np.argmax(tilts))])
+            raise MeshError(f"{worst} is not parallel to one direction with its neighbours")
+        return np.asarray(direction)
 
     def _text(self, face: int) -> str:
         (volume,) = self._gmsh.model.getAdjacencies(2, face)[0]
         body = next(name for name, tags in self._bodies.items() if volume in tags)
         return f"{shape_text(Shape.of(self._gmsh, 2, face))} of body {body!r}"
 
-    def _ends(self, name: str, volumes: Sequence[int]) -> tuple[list[int], list[int]]:
-        """Faces at the lower and at the upper end of a body."""
+    def _ends(
+        self, name: str, volumes: Sequence[int]
+    ) -> tuple[tuple[list[int], list[int]], tuple[float, float]]:
+        """Faces at the lower and at the upper end of a body, and the heights between which it is.
+
+        That is as far as its contact faces go if something is cut off its ends.
+        """
         faces = [int(x) for tag in volumes for x in self._gmsh.model.getAdjacencies(3, tag)[1]]
         across = [x for x in faces if np.abs(self._normals[x] @ self._direction).max() > SAME_WAY]
         flat = [x for x in across if np.ptp(self._normals[x], axis=0).max() < SAME_WAY]
         if self._normal is self._direction and flat:
-            first = self._normals[flat[0]][0]
+            largest = max(flat, key=partial(self._gmsh.model.occ.getMass, 2))
+            first = self._normals[largest][0]
             self._normal = first * np.sign(first @ self._direction)
-        ends = [
-            x
-            for x in flat
-            if np.linalg.norm(np.cross(self._normals[x][0], self._normal)) < SAME_WAY
-        ]
-        beside = [x for x in across if x not in ends]
-        expected = "no plane end, and not parallel to the contact faces"
-        self._require_parallel(beside, self._direction, expected)
-        heights = self._heights(ends)
-        low = [x for x, h in zip(ends, heights, strict=True) if h < min(heights) + self._close]
-        high = [x for x, h in zip(ends, heights, strict=True) if h > max(heights) - self._close]
-        between = [x for x in ends if x not in low + high]
-        if between:
-            raise MeshError(f"{self._text(between[0])} is an end between those of the body")
-        self._require_volume(name, volumes, low, max(heights) - min(heights))
-        return low, high
+        heights = {x: self._heights(x) for x in faces}
+        together = np.concatenate([*heights.values()])
+        start, end = float(together.min()), float(together.max())
+        low = [x for x in flat if heights[x].max() < start + self._close]
+        high = [x for x in flat if heights[x].min() > end - self._close]
+        beside = [x for x in across if x not in low + high]
+        near = (end - start) / (2 * LAYERS)
+        for x in beside:
+            if heights[x].max() > start + near and heights[x].min() < end - near:
+                text = f"{self._text(x)} is no plane end, and not parallel to the contact faces"
+                raise MeshError(text)
+        own = [heights[x] for x in self._contact if x in faces]
+        if beside and own:
+            self._cut.append(name)
+            start, end = max(float(x.min()) for x in own), min(float(x.max()) for x in own)
+        return (low, high), (start, end)
 
-    def _heights(self, faces: Sequence[int]) -> list[float]:
-        """Heights of plane faces along their normal."""
-        model = self._gmsh.model
-        middles = [sum(model.getParametrizationBounds(2, face)) / 2 for face in faces]
-        points = [model.getValue(2, face, at) for face, at in zip(faces, middles, strict=True)]
-        return [float(point @ self._normal) for point in points]
-
-    def _require_volume(
-        self, name: str, volumes: Sequence[int], low: Sequence[int], length: float
-    ) -> None:
-        mass = self._gmsh.model.occ.getMass
-        volume, area = sum(mass(3, tag) for tag in volumes), sum(mass(2, tag) for tag in low)
-        if abs(volume - area * length) > math.sqrt(SAME_WAY) * volume:
-            raise MeshError(
-                f"the volume {volume:.6g} of body {name!r} is not its section {area:.6g} times its "
-                f"length {length:.6g}"
-            )
+    def _heights(self, face: int) -> Array:
+        """(n,) heights along the edges of a face, over the normal of the ends."""
+        model, points = self._gmsh.model, []
+        for _, curve in model.getBoundary([(2, face)], oriented=False):
+            low, high = model.getParametrizationBounds(1, curve)
+            points.append(model.getValue(1, curve, low + (high - low) * ALONG))
+        return np.concatenate(points).reshape(-1, 3) @ self._normal
 
     def _axes(self) -> Array:
         """(3, 3) unit vectors of the plane, those of space where the sweep is along z."""
