@@ -36,7 +36,8 @@ class Placed:
     move: tuple[float, float, float] = (0.0, 0.0, 0.0)
     mirrored: bool = False
     lean: float = 0.0
-    chamfered: bool = False
+    # Height of an edge at the end of the punch, up to where and how far along it is cut off.
+    chamfer: tuple[float, float, float] | None = None
     changes: dict[str, Any] = field(default_factory=dict)
 
     @property
@@ -87,8 +88,10 @@ class Placed:
             base = [(-4, -2), (4, -2), (4, 0), (-4, 0)]
             points = [occ.addPoint(*self.of([*place, 0.0])) for place in base]
             self._sweep(gmsh, [occ.addLine(points[n], points[(n + 1) % 4]) for n in range(4)], 10.0)
-            if self.chamfered:
-                wedge = [occ.addPoint(*self.of(p)) for p in ([-3, 1.5, 9], [-3, 2, 8], [-3, 2, 9])]
+            if self.chamfer is not None:
+                edge, to, along = self.chamfer
+                ends = [-3, to, 9], [-3, edge, 9 - along], [-3, edge, 9]
+                wedge = [occ.addPoint(*self.of(place)) for place in ends]
                 loop = [occ.addLine(wedge[n], wedge[(n + 1) % 3]) for n in range(3)]
                 face = occ.addPlaneSurface([occ.addCurveLoop(loop)])
                 cut = occ.extrude([(2, face)], *(self.matrix @ [6.0, 0.0, 0.0]))

@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -63,12 +64,28 @@ def test_the_accuracy_without_a_size_is_that_of_cad(tmp_path: Path) -> None:
 
 
 def test_a_body_that_is_no_sweep_names_its_face(tmp_path: Path) -> None:
-    case = Placed(chamfered=True).case(tmp_path)
+    case = Placed(chamfer=(2.0, 1.5, 1.0)).case(tmp_path)
     assert sweep_of(case) is None
     with pytest.raises(CaseError) as error:
         grouped_mesh(case)
     assert "geometry.size" in str(error.value)
     assert "of body 'upper' is no plane end, and not parallel" in str(error.value)
+
+
+@pytest.mark.parametrize("edge, end", [(2.0, 9.0), (0.0, 8.4)], ids=["free", "in contact"])
+@pytest.mark.parametrize("placed", [Placed(), PLACES["any way"]], ids=["plain", "any way"])
+def test_ends_that_are_cut_off_leave_the_length_of_the_contact(
+    edge: float, end: float, placed: Placed, tmp_path: Path
+) -> None:
+    """Their edges are as if nothing were cut off where the contact does not reach, as is said."""
+    case = replace(placed, chamfer=(edge, abs(edge - 0.5), 0.6)).case(tmp_path)
+    sweep = sweep_of(case)
+    assert sweep is not None
+    assert np.ptp(sweep.solid.span("upper")) == pytest.approx(end - 1.0, abs=1e-6)
+    assert np.ptp(sweep.solid.span("lower")) == pytest.approx(10.0, abs=1e-6)
+    mesh = grouped_mesh(case)
+    assert area(mesh, "upper", "upper_top") == pytest.approx((end - 1) * (2 + 2 * ARC[0]), rel=1e-6)
+    assert "; ends of upper are taken as plane ones" in mesh.notes[-1]
 
 
 def test_a_size_asks_for_tetrahedra_of_that_size(tmp_path: Path) -> None:
