@@ -87,7 +87,7 @@ def _longer(
     ranges = worst[1].reported_range, worst[1].largest_range
     criterion = _range_symbol(*worst) if np.isfinite(ranges).any() else "K_N"
     return (
-        f"Worst is the largest {criterion}; the slip zone is longer at "
+        f"Worst is the largest {criterion}; the longest known slip zone is at "
         f"{_place(run, *longest[:2])}: {_zone_words(run, *longest[1:])}."
     )
 

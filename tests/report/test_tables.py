@@ -125,7 +125,7 @@ def test_the_first_lines_name_the_station_of_a_longer_slip_zone(sphere: Result) 
     assert told.worst.name == "main.1.0" and told.longest.name == "main.1.11"
     assert (told.longest.length, told.longest.spread) == zone.told
     assert told.sentences.longer.startswith(
-        "Worst is the largest |ΔK|; the slip zone is longer at station main.1.11, "
+        "Worst is the largest |ΔK|; the longest known slip zone is at station main.1.11, "
         f"{number(longest.arc, 3)} mm along the front: d 0.0534 ± 0.0022 mm (predicted "
     )
     table = station_table(sphere)

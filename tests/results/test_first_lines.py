@@ -415,7 +415,7 @@ def test_a_longer_slip_zone_than_that_of_the_largest_range_is_told() -> None:
     assert (told.worst.name, told.longest.name) == ("main.left", "main.right")
     assert told.longest.length == pytest.approx(1.3 * told.worst.zone.length, rel=1e-2)
     assert told.sentences.longer.startswith(
-        "Worst is the largest ΔK_T; the slip zone is longer at main, right edge, x = "
+        "Worst is the largest ΔK_T; the longest known slip zone is at main, right edge, x = "
     )
     assert headline(changed(same)).longer == ""
 
