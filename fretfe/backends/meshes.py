@@ -175,7 +175,7 @@ class Passes(ABC):
         if unknowns > self._largest:
             raise MeshError(
                 f"{self._case.source}: edges.unknowns: mesh {len(self._done) + 1} would have "
-                f"{unknowns} unknowns, expected at most {self._largest}"
+                f"{unknowns} unknowns, expected at most {self._largest}: set it larger for them"
             )
         self._announce(f"mesh {len(self._done) + 1}: {unknowns} unknowns")
         self._mesh = mesh

@@ -257,10 +257,11 @@ class Edges(Table):
         "next, at every contact edge, of solids of K_N and ΔK at every station not near an end, "
         "below which the mesh is fine enough; 0 < tolerance <= 0.1.",
     )
-    unknowns: Count = Field(
+    unknowns: int = Field(
         default=200_000,
-        description="Number of displacements of the largest mesh that is solved; refinement ends "
-        "there.",
+        ge=1,
+        le=10_000_000,
+        description="Displacements of the largest mesh that is solved; refinement ends there.",
     )
     stations: int = Field(
         default=STATIONS,
@@ -270,8 +271,7 @@ class Edges(Table):
     )
     local: bool = Field(
         default=True,
-        description="Whether the plane problem next to every station of solids is solved, which "
-        "gives its slip zones where the elements of the bodies do not resolve them.",
+        description="Whether a plane problem at stations has slip zones that elements do not show.",
     )
     ends: bool = Field(
         default=False,
