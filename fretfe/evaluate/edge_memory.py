@@ -409,10 +409,10 @@ class EdgeMemory:
         return np.append(first, steps[self.outer(halves)[steps]])
 
     def cut_off(self, half: HalfCycle, others: Sequence[HalfCycle]) -> bool:
-        """True if the history ends before slip has come as far as in another half cycle."""
-        deepest = min((each.front for each in others if each.way == half.way), default=math.inf)
-        hold = float(self.hold[half.end])
-        return half.front - deepest > COMPLETE * (hold - deepest)
+        """True if the history ends before slip has come as far as in another, larger zone."""
+        size = float(self.hold[half.end]) - half.front
+        larger = (e for e in others if self.hold[e.end] - e.front > size and e.way == half.way)
+        return half.front - min((e.front for e in larger), default=math.inf) > COMPLETE * size
 
     def onset(self, half: HalfCycle) -> int:
         """State of a half cycle before which nothing slips."""
