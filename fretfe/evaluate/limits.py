@@ -34,6 +34,9 @@ if TYPE_CHECKING:
 # Sliding over the width of the contact: tractions act beside their places on one body by that part
 # of it.
 LARGEST_SLIDING = 0.1
+# Dundurs' beta up to which the formulas for slip zones between unlike bodies were measured in the
+# plane.
+LARGEST_BETA = 0.25
 # Linear elasticity leaves out terms of the order of the strain; 2 % is beyond the yield strain of
 # nearly all metals.
 LARGEST_STRAIN = 0.02
@@ -172,6 +175,9 @@ def contact_limits(
         extent.pressure / modulus,
         LARGEST_STRAIN,
     )
+    if contact.friction.largest:
+        words, beta = "Dundurs' beta of the bodies, with friction", abs(contact.surface.dundurs)
+        yield ModelLimit(contact.name, Kind.DUNDURS, words, beta, LARGEST_BETA)
     if contact.surface.layer is not None:
         across, along = contact.surface.layer
         way = "across" if across >= along else "along"

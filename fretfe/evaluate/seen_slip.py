@@ -196,4 +196,4 @@ def pressed_on(
     bound = float(friction.max()) * steps[:, Factor.K_I]
     shear = np.linalg.norm(steps[:, Factor.K_T :], axis=1)
     # In all of its steps, but for what is faint.
-    return not len(cycle) and float(shear[shear > bound].sum()) < FAINT * float(bound.sum())
+    return bool(not len(cycle) and np.maximum(shear - bound, 0.0).sum() < FAINT * bound.sum())

@@ -61,9 +61,6 @@ LARGEST_SLOPE = 0.1
 LARGEST_PAIRING_ERROR = 0.02
 # Linear elasticity leaves out terms of the order of the strain.
 LARGEST_STRETCH = 0.01
-# Dundurs' beta up to which the formulas for slip zones between unlike bodies were measured in the
-# plane.
-LARGEST_BETA = 0.25
 # One of two equal bodies has half of the compliance of a contact: one per cent of E*.
 LARGEST_SOFTENING = 0.02
 # An offset by this part of the radius changes the radius by it, and curvatures as much.
@@ -272,26 +269,26 @@ def _largest_change(curve: OverTemperature, low: float, high: float, used: float
 
 def oscillates(case: Case, history: ContactHistory) -> bool:
     """True if full stick oscillates next to the edges of a contact: K_I alone means nothing."""
-    by_beta = next(_dissimilar(case, history), None)
-    return by_beta is not None and by_beta.found > SIMILAR
+    return history.friction.largest > 0 and _oscillation(case, history) > SIMILAR
+
+
+def _oscillation(case: Case, history: ContactHistory) -> float:
+    """Dundurs' beta, or what takes its place between crystals."""
+    bodies = case.bodies[history.body1], case.bodies[history.body2]
+    return abs(dissimilarity(*bodies, case.model.plane, history.surface.mean_normal))
 
 
 def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
-    """Between unlike bodies full stick oscillates at an edge, which only isotropic ones know.
+    """Of crystals, that full stick oscillates at an edge, which only isotropic bodies know.
 
-    Second, of crystals, that pressure and shear depend on each other without oscillating.
+    And that pressure and shear depend on each other without oscillating.
     """
+    bodies = case.bodies[history.body1], case.bodies[history.body2]
     if history.friction.largest == 0:
         return
-    bodies = case.bodies[history.body1], case.bodies[history.body2]
-    known = all(isotropic(each) for each in bodies)
-    yield ModelLimit(
-        history.name,
-        Kind.DUNDURS if known else Kind.OSCILLATION,
-        "Dundurs' beta of the bodies, with friction",
-        abs(dissimilarity(*bodies, case.model.plane, history.surface.mean_normal)),
-        LARGEST_BETA if known else SIMILAR,
-    )
+    if not all(isotropic(each) for each in bodies):
+        words, found = "Dundurs' beta of the bodies, with friction", _oscillation(case, history)
+        yield ModelLimit(history.name, Kind.OSCILLATION, words, found, SIMILAR)
     cross = cross_compliance(*bodies, case.model.plane, history.surface.mean_normal)
     if cross > 0:
         yield ModelLimit(
