@@ -12,7 +12,6 @@ import contextlib
 import math
 from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from itertools import product
 from pathlib import Path
 from types import ModuleType
@@ -225,8 +224,9 @@ class _Solids:
         across = [x for x in faces if np.abs(self._normals[x] @ self._direction).max() > SAME_WAY]
         flat = [x for x in across if np.ptp(self._normals[x], axis=0).max() < SAME_WAY]
         if self._normal is self._direction and flat:
-            largest = max(flat, key=partial(self._gmsh.model.occ.getMass, 2))
-            first = self._normals[largest][0]
+            normals = np.array([self._normals[x][0] for x in flat])
+            areas = [self._gmsh.model.occ.getMass(2, x) for x in flat]
+            first = normals[np.argmax((np.abs(normals @ normals.T) > 1 - SAME_WAY) @ areas)]
             self._normal = first * np.sign(first @ self._direction)
         heights = {x: self._heights(x) for x in faces}
         together = np.concatenate([*heights.values()])
