@@ -218,7 +218,7 @@ class _Solids:
     ) -> tuple[tuple[list[int], list[int]], tuple[float, float]]:
         """Faces at the lower and at the upper end of a body, and the heights between which it is.
 
-        That is as far as its contact faces go if something is cut off its ends.
+        That is as far as its contact faces go if something is cut off them at the ends.
         """
         faces = [int(x) for tag in volumes for x in self._gmsh.model.getAdjacencies(3, tag)[1]]
         across = [x for x in faces if np.abs(self._normals[x] @ self._direction).max() > SAME_WAY]
@@ -242,7 +242,9 @@ class _Solids:
         own = [heights[x] for x in self._contact if x in faces]
         if beside and own:
             self._cut.append(name)
-            start, end = max(float(x.min()) for x in own), min(float(x.max()) for x in own)
+            first, last = max(float(x.min()) for x in own), min(float(x.max()) for x in own)
+            start = first if first < start + near else start
+            end = last if last > end - near else end
         return (low, high), (start, end)
 
     def _heights(self, face: int) -> Array:
