@@ -257,11 +257,10 @@ class Edges(Table):
         "next, at every contact edge, of solids of K_N and ΔK at every station not near an end, "
         "below which the mesh is fine enough; 0 < tolerance <= 0.1.",
     )
-    unknowns: int = Field(
+    unknowns: Annotated[int, Field(strict=True, ge=1, le=10_000_000)] = Field(
         default=200_000,
-        ge=1,
-        le=10_000_000,
-        description="Displacements of the largest mesh that is solved; refinement ends there.",
+        description="Number of displacements of the largest mesh that is solved; refinement ends "
+        "there.",
     )
     stations: int = Field(
         default=STATIONS,
@@ -271,7 +270,8 @@ class Edges(Table):
     )
     local: bool = Field(
         default=True,
-        description="Whether a plane problem at stations has slip zones that elements do not show.",
+        description="Whether the plane problem next to every station of solids is solved, which "
+        "gives its slip zones where the elements of the bodies do not resolve them.",
     )
     ends: bool = Field(
         default=False,

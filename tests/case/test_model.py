@@ -179,6 +179,7 @@ RANGES = {
     "thickness": ("model__thickness", 0.0, "model.thickness: expected a number > 0, found 0"),
     "degree": ("model__degree", 3, "model.degree: expected a number <= 2, found 3 (1 or 2)"),
     "degree-bool": ("model__degree", True, "model.degree: expected a whole number, found true"),
+    "unknowns-bool": ("edges__unknowns", True, "unknowns: expected a whole number, found true"),
     "plane": ("model__plane", "strian", "'strain' or 'stress', found text 'strian'; did you mean"),
     "fix-axis": ("supports__base__fix", ["x", "w"], "supports.base.fix[item 2]: expected 'x', 'y'"),
     "fix-empty": ("supports__base__fix", [], "base.fix: expected at least 1 entry, found 0"),
