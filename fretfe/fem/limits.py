@@ -283,9 +283,9 @@ def _dissimilar(case: Case, history: ContactHistory) -> Iterator[ModelLimit]:
 
     And that pressure and shear depend on each other without oscillating.
     """
-    bodies = case.bodies[history.body1], case.bodies[history.body2]
     if history.friction.largest == 0:
         return
+    bodies = case.bodies[history.body1], case.bodies[history.body2]
     if not all(isotropic(each) for each in bodies):
         words, found = "Dundurs' beta of the bodies, with friction", _oscillation(case, history)
         yield ModelLimit(history.name, Kind.OSCILLATION, words, found, SIMILAR)

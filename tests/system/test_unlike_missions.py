@@ -20,8 +20,6 @@ from fretfe.idealise import idealise
 PARAMETERS = {"upper_radius": 50.0, "lower_radius": 0.0, "size": 0.01}
 SIZES = {"upper_width": 120.0, "upper_height": 120.0, "lower_width": 120.0, "lower_height": 120.0}
 ALUMINIUM, STEEL = {"young": 70e3, "poisson": 0.3}, {"young": 210e3, "poisson": 0.3}
-
-
 TITANIUM = {"young": 114e3, "poisson": 0.34}
 SOFT, HARD = {"young": 20e3, "poisson": 0.1}, {"young": 400e3, "poisson": 0.25}
 Ways = list[dict[str, object]]
