@@ -85,8 +85,7 @@ class Growth:
         """True if the zone has grown steadily, or there is none."""
         if not self.border > self.edge:
             return True
-        stretch = self.stretch(np.linspace(0.0, 0.95, 20))
-        return bool(np.ptp(stretch) < EVEN)
+        return bool(np.ptp(self.stretch(np.linspace(0.0, 0.95, 20))) < EVEN)
 
     @cached_property
     def nearly_even(self) -> bool:

@@ -83,9 +83,8 @@ def length_from_slip(
     border = slip_border(s, forward, forward > limit)
     if border.gross:
         return unknown("the whole contact slips")
-    remark = "" if border.resolved else "too few nodes slip, or slip does not fall to zero"
-    if border.length == 0.0:
-        remark = "no node slips"
+    unclear = "" if border.resolved else "too few nodes slip, or slip does not fall to zero"
+    remark = unclear if border.length else "no node slips"
     return Estimate(border.length, math.hypot(border.spread, edge.spread), remark)
 
 

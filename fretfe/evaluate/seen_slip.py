@@ -8,8 +8,10 @@ Places are named by their distance from the middle of the contact in place of th
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -18,12 +20,16 @@ from fretfe.evaluate.edge_memory import INNER, EdgeMemory
 from fretfe.evaluate.edge_slip import BEHIND, HalfCycle, Places, Slip
 from fretfe.evaluate.factors import K_T_LENGTH, factors_at
 from fretfe.evaluate.numerics import last_known
-from fretfe.evaluate.slip import FEWEST_STUCK, SMALLEST_SLIP, FindBorder, SlipBorder
+from fretfe.evaluate.slip import FEWEST_STUCK, FindBorder, SlipBorder
 from fretfe.history.solution import Factor
 
 # Slip goes with the length of a zone to the power of 3/2: zones of a twentieth of the longest are
 # none, nor is the slip of a step that is as small a part of its half cycle.
 FAINT = INNER**1.5
+# What slips last makes a zone longer by 2/3 of its part of the slip, unless it is slip from inside.
+LATE = FAINT / 4
+# Part of the way of an edge in a step by which its slip zone may be off: .01 to .2 of 80 edges.
+MOVED = 1 / 24
 # Cosine of the angle between loads of two steps from which on they go on: five steps a wave do.
 SMOOTH = math.cos(2 * math.pi / 4.5)
 
@@ -36,13 +42,13 @@ class SeenEdge(EdgeMemory):
         seen: that slip.
         find: gives its border between two states.
         size: of an element at the edge.
-        covers: (T,) whether all places slip that the step to a state covers.
+        retreat: (T,) how far that inner end goes outward in the step to each state.
     """
 
     seen: Slip
     find: FindBorder
     size: float
-    covers: Bools
+    retreat: Array
 
     @classmethod
     def by(
@@ -71,10 +77,11 @@ class SeenEdge(EdgeMemory):
         own = np.arange(memory.last + 1)
         way = np.where(own > memory.begin, np.sign(slip[own]), 0.0)
         front = np.where(way == 0, np.nan, np.maximum(hold[own] - reach[own], 0.0))
-        # What a step covers slips from the old edge on, or not at all, but for what steps miss.
-        old = np.append(math.nan, hold[own][:-1])
-        covers = (way == np.append(0, way[:-1])) & (front - old < size + INNER * (hold[own] - old))
-        front = np.where(covers, np.minimum(front, old), front)
+        # Where slip goes on all slips that a step covers.
+        on = way == np.append(0.0, way[:-1])
+        front = np.where(on, np.minimum(front, np.append(0.0, hold[own][:-1])), front)
+        retreat = np.diff(front, prepend=math.nan)
+        retreat = np.where(on & (retreat > size), retreat, 0.0)
         states = np.flatnonzero(front < hold[own])
         low, high = front[states], hold[own][states]
         slices = np.column_stack([low, high, memory.friction[states] * (high - low)])
@@ -82,7 +89,7 @@ class SeenEdge(EdgeMemory):
         # As far from the middle.
         places = Places(np.zeros(1), np.ones(1), 1.0, 1.0, np.zeros(1), np.ones(1), 0.0)
         moved = replace(memory, station=replace(station, hold=hold), places=places, gained=hold)
-        found = cls(**vars(moved), seen=seen, find=find, size=size, covers=covers)
+        found = cls(**vars(moved), seen=seen, find=find, size=size, retreat=retreat)
         return replace(found, seen=seen.where(found._counted(np.abs(slip))))
 
     @cached_property
@@ -90,44 +97,72 @@ class SeenEdge(EdgeMemory):
         """All half cycles, each with the state in which its border is farthest from the edge."""
         return tuple(map(self._longest, super().half_cycles))
 
-    def over_holes(self, find: FindBorder) -> FindBorder:
-        """Borders of slip between two states, beyond what steps miss of places that they cover."""
+    def border(self, start: int, end: int) -> SlipBorder:
+        """Border of slip at the edge between two states; by nodes if more slips farther inward.
 
-        def border(start: int, end: int) -> SlipBorder:
-            found = before = find(start, end)
-            state = end
-            while self.covers[state] and state - 1 > start and not before.resolved:
-                state -= 1
-                before = find(start, state)
-            inner = float(self.hold[state]) - before.length  # NaN where all slips
-            own = self.seen.front[state + 1 : end + 1] >= inner - self.size
-            if state == end or not (before.resolved and own.all()):
-                return found
-            length, spread = float(self.hold[end]) - inner, math.hypot(before.spread, self.size)
-            return replace(before, length=length, spread=spread)
+        A step shows all that slips within it: in the middle it is shorter by half of the retreat.
+        """
+        found, half = self.find(start, end), float(self.retreat[end]) / 2
+        length = self.step_length(end) + half
+        near = 2 * self.size + 3 * INNER * length
+        # Without a retreat, slip in the step may be faint in all of it, or not count.
+        least = length - near if half else 0.0
+        likely = found.resolved and least <= found.length <= length + near
+        if length > 0 and not (found.gross or likely):
+            found = SlipBorder(length, resolved=True, gross=False, spread=near)
+        return replace(found, length=found.length - half, spread=math.hypot(found.spread, half))
 
-        return border
+    def step_length(self, state: int) -> float:
+        """Length from the edge to the inner end of what slips in the middle of a step."""
+        front = self.seen.front[state] + self.retreat[state] / 2
+        return float(np.nan_to_num(self.hold[state] - front))
 
     def _longest(self, half: HalfCycle) -> HalfCycle:
-        """A half cycle that ends where borders tell, where nodes are the same to an element.
+        """A half cycle that ends with its longest zone, by borders.
 
-        One that ends with its longest zone may go on within the next step, unless loads turn there.
+        What slips in a step is the zone then: places that have slipped before and stick are none.
         """
         if math.isnan(half.length):
             return half
         stretches = self._stretches(half.start, half.turn, half.way)
-        near = [each for each in stretches if self.length(*each[:2]) >= half.length - self.size]
-        find = self.over_holes(self.find)
-        borders = [find(half.start, state) for state, *_ in near]
-        # All of them may slip, or nodes do not tell where they stick.
-        known = [each.length if each.resolved and not each.gross else 0.0 for each in borders]
-        longest, (end, front, since) = max(zip(known, near, strict=True))
-        before = find(half.start, end - 1).length if end - 1 > half.start else 0.0
-        goes_on = end == half.turn < self.last and math.isfinite(before) and self._smooth(end)
-        grown = abs(longest - before) / 2 if goes_on else 0.0
-        # It may have begun a step before nodes show it, on what that has covered.
-        covered = front - float(self.hold[max(since - 1, self.begin)])
-        return replace(half, end=end, within=max(grown, covered))
+        longest, best = 0.0, stretches[0]
+        for state, front, since in sorted(stretches, key=lambda each: -self.step_length(each[0])):
+            if longest > (1 + 3 * INNER) * self.step_length(state) + 3 * self.size:
+                break
+            found = self.border(since, state)
+            if found.resolved and not found.gross and found.length > longest:
+                longest, best = found.length, (state, front, since)
+        end, front, since = best
+        moved = MOVED * float(self.hold[end] - self.hold[end - 1])
+        within = math.hypot(self._between(end, half.way), moved)
+        return replace(half, start=since, end=end, front=front, within=within)
+
+    def longest(self, cycle: Sequence[int] | Indices) -> tuple[HalfCycle, ...]:
+        """The half cycles with the longest zone each way, since they slip."""
+        own = {each.end: each for each in self.half_cycles}
+        return tuple(own[each.end] for each in super().longest(cycle))
+
+    def _between(self, state: int, way: int) -> float:
+        """By how much a zone may be longer between states, if loads go on."""
+        if state == self.last or not self._smooth(state):
+            return 0.0
+        lengths = [self.step_length(each) for each in (state - 1, state, state + 1)]
+        if self.seen.way[state + 1] == way == self.seen.way[state - 1]:
+            return abs(lengths[2] - lengths[0]) / 3
+        return abs(lengths[1] - lengths[0]) / 2
+
+    def _stretches(self, start: int, turn: int, way: int) -> list[tuple[int, float, int]]:
+        """States in which an edge slips one way, inner end of that slip, since when it comes there.
+
+        What has slipped before farther inward is no part of it.
+        """
+        found, front = [], self.seen.front
+        slips = start + 1 + np.flatnonzero(self.seen.way[start + 1 : turn + 1] == way)
+        for number, state in enumerate(slips.tolist()):
+            deeper = np.flatnonzero(front[slips[:number]] < front[state] - self.size)
+            first = slips[deeper[-1] + 1 if len(deeper) else 0]
+            found.append((state, float(front[state]), int(first) - 1))
+        return found
 
     def _smooth(self, state: int) -> bool:
         """True if loads go through a state like a wave, and do not turn there."""
@@ -142,7 +177,9 @@ class SeenEdge(EdgeMemory):
         most = max((float(slip[each].sum()) for each in own), default=0.0)
         for steps in own:
             size = slip[steps]
-            counted[steps] = (size > FAINT * size.max()) & (size.sum() > FAINT * most)
+            after = size[::-1].cumsum()[::-1]
+            counted[steps] = (size > FAINT * size.max()) & (after > LATE * after[0])
+            counted[steps] &= after[0] > FAINT * most
         return counted
 
     @property
@@ -152,7 +189,7 @@ class SeenEdge(EdgeMemory):
 
 
 def seen_slip(
-    steps: Array, s: Array, closed: Bools, depth: Array, firm: float = SMALLEST_SLIP
+    steps: Array, s: Array, closed: Bools, depth: Array, firm: float = FAINT
 ) -> tuple[Array, Array]:
     """(T,) largest slip of nodes in the step to a state, and how far inward of the edge it comes.
 
@@ -163,16 +200,16 @@ def seen_slip(
         s: (T - 1, n) distances inward of where the edge is after each step.
         closed: (T - 1, n) nodes in contact then.
         depth: (T - 1,) distances up to which nodes belong to the edge.
-        firm: part of the largest slip from which on slip counts.
+        firm: part of the largest slip of a step from which on slip counts.
     """
     own = closed & (s <= depth[:, None])
     size = np.where(own, np.abs(steps), 0.0)
     largest = np.take_along_axis(steps, size.argmax(axis=1)[:, None], axis=1)[:, 0]
-    slips = own & (steps * np.sign(largest)[:, None] > firm * size.max(initial=0.0))
+    least = firm * size.max(axis=1, keepdims=True)
+    slips: Any = own & (steps * np.sign(largest)[:, None] > least)
     inward = np.argsort(s, axis=1)
     slipping, there, s = (np.take_along_axis(each, inward, axis=1) for each in (slips, own, s))
-    stuck, passed = (there & ~slipping).cumsum(axis=1), there.cumsum(axis=1)
-    begins = stuck < FEWEST_STUCK + INNER * passed
+    begins = (there & ~slipping).cumsum(axis=1) < FEWEST_STUCK
     reach = np.where(slipping & begins, s, 0.0).max(axis=1, initial=0.0)
     reach[(slipping | ~there).all(axis=1)] = np.inf
     return np.append(0.0, np.where(reach > 0, largest, 0.0)), np.append(0.0, reach)

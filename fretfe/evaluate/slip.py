@@ -105,19 +105,16 @@ def half_cycles(
         pressed: whether P alone drives an edge between unlike bodies. Slip then follows the edge,
             and what slipped before lies behind it: the last step is all there is.
     """
-    last = memory.last
     if pressed:
-        return (HalfCycle.still(max(last - 1, memory.begin), last),)
+        return (HalfCycle.still(max(memory.last - 1, memory.begin), memory.last),)
     found = memory.longest(cycle) if irregular else memory.half_cycles
     if irregular or not len(cycle):
         return found or (memory.still(memory.begin),)
     inside = [each for each in found if each.turn > cycle[0]]
     if not inside:
         return (memory.still(int(cycle[0])),)
-    if len(inside) > 1 and memory.cut_off(inside[-1], inside[:-1]):
-        inside, found = inside[:-1], found[:-1]
-    # First loading stands beside no single half cycle of the evaluated ones.
-    return found if len(inside) > 1 else tuple(inside)
+    cut_off = len(inside) > 1 and memory.cut_off(inside[-1], inside[:-1])
+    return found[:-1] if cut_off else found
 
 
 def slip_zones(
@@ -178,8 +175,6 @@ def zones_of(
         if math.isnan(cyclic) and not pressed and rests and alike:
             cyclic = _asymptote(memory, half)
         spread = math.hypot(border.spread, float(station.position_spread[end]))
-        if pressed and border.length > 0:  # what slips depends on where the edge is in the step
-            spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
         if not unlike and border.length > 0:
             border, doubt = _without_steps(border, memory.misplaced(half, length))
             spread = math.hypot(spread, doubt)

@@ -39,7 +39,7 @@ from fretfe.evaluate.factors import (
     sliding_apart,
 )
 from fretfe.evaluate.friction_behind import FrictionBehind
-from fretfe.evaluate.growth import FindGrowth, Growth, zone_growth
+from fretfe.evaluate.growth import FindGrowth, zone_growth
 from fretfe.evaluate.increments import ContactSteps
 from fretfe.evaluate.layers import LayerAtEdge
 from fretfe.evaluate.load_path import load_path
@@ -424,7 +424,7 @@ class EdgeData(ABC):
         if memory is None or not self.steps.known[self.cycle].all():
             return ()
         alone, irregular = self.pressed[number] and self.steps.dundurs != 0, cycles.irregular
-        if self.steps.dundurs and not alone:
+        if self.steps.dundurs:
             place, seen = memory.station.position, self.seen(number, direction)
             find = cache(self.border(number, place, memory.outer(()), lambda *_: None))
             width, size = float(self.half_widths[number]), self.size(number)
@@ -441,24 +441,13 @@ class EdgeData(ABC):
         self, number: int, memory: EdgeMemory, halves: Sequence[HalfCycle], irregular: bool
     ) -> tuple[SlipZone, ...]:
         """Those of some half cycles; under irregular loads of one, without the loops in it."""
+        if isinstance(memory, SeenEdge):
+            border, pressed = memory.border, self.pressed[number]
+            return zones_of(self.cycle, memory, halves, border, pressed, unlike=True)
         outer = memory.outer(halves if irregular else ())
-
-        @cache
-        def growth(start: int, end: int) -> Growth | None:
-            if self.steps.dundurs:
-                # Between unlike bodies shear moves K_I and pressure K_T, which it leaves out.
-                return None
-            return zone_growth(memory, start, end, outer)
-
+        growth = cache(partial(zone_growth, memory, outer=outer))
         find = self.border(number, memory.station.position, outer, growth)
-        return zones_of(
-            self.cycle,
-            memory,
-            halves,
-            memory.over_holes(find) if isinstance(memory, SeenEdge) else find,
-            self.pressed[number] and self.steps.dundurs != 0,
-            self.steps.dundurs != 0,
-        )
+        return zones_of(self.cycle, memory, halves, find)
 
     def with_shear(self, number: int, zone: SlipZone, direction: Array) -> SlipZone:
         """A slip zone with the share of f p that acts across (K_T, K_S) and along it.

@@ -11,7 +11,7 @@ from cases.pad_cases import PAD, pad
 
 from fretfe._typing import Array
 from fretfe.case import parse_case
-from fretfe.evaluate.contacts import Contact
+from fretfe.evaluate.contacts import Contact, SlipZone
 from fretfe.evaluate.evaluate import evaluate
 from fretfe.halfplane import solve_half_planes
 from fretfe.history.solution import SLIP, Solution
@@ -92,31 +92,59 @@ def by_nodes() -> list[float]:
 
 @pytest.mark.parametrize("steps", [6, 20, pytest.param(60, marks=pytest.mark.slow)])
 def test_zones_are_told_where_they_are_longest(by_nodes: list[float], steps: int) -> None:
-    """As far as nodes show, with any steps: .137 to .139; where K_T turns it is .08 to .09."""
+    """As far as nodes show, with any steps: .137 to .139; where K_T turns it is .08 to .09.
+
+    Bars have what steps misplace of a zone as P moves its edge.
+    """
     _, contact = out_of_phase(steps)
     for station, truth in zip(contact.stations, by_nodes, strict=True):
         zone = station.longest_zone
         assert zone is not None
         assert zone.resolved
         assert abs(zone.length - truth) < zone.spread + 0.003  # an element there
-        assert zone.spread < 0.01 * zone.length
+        assert zone.spread < (0.02 if steps < 60 else 0.01) * zone.length
 
 
-def test_places_that_steps_cover_are_in_the_zone() -> None:
-    """P and Q in proportion: all that is covered slips, .384 with 20 steps, and with 6 as well.
+def last_zones(contact: Contact) -> list[SlipZone]:
+    return [each.slip_zones[-1] for each in contact.stations]
 
-    Nodes at the old edges of steps stick in these; .106 was told.
+
+def moving(solution: Solution, inward: int, position: Array) -> float:
+    """Longest way from an edge to what slips on from it in one step of the last cycle."""
+    (history,) = solution.contacts
+    arc, (first, last) = history.surface.arc, solution.cycle or (0, 0)
+    found = 0.0
+    for state in range(first + 1, last + 1):
+        slip = np.diff(history.slip[state - 1 : state + 1, :, 0], axis=0)[0]
+        s = inward * (arc - position[state])
+        order = np.argsort(np.where((s > 0) & (s < 0.5), s, np.inf))
+        size = np.where(history.status[state] == SLIP, slip, 0.0)[order]
+        size *= np.sign(size[np.abs(size[:40]).argmax()])
+        if not size[:40].max() > 1e-6:
+            continue
+        stuck = np.flatnonzero(size[1:] <= 1e-2 * size[:40].max())
+        found = max(found, float(s[order[stuck[0]]]))
+    return found
+
+
+@pytest.mark.slow
+def test_a_zone_that_travels_with_the_edge_is_what_slips_at_one_time() -> None:
+    """P and Q in proportion: a strip of .025 at the edge slips as it moves by .4.
+
+    All places that it has passed were told, .36. Coarse steps cover more than the strip: that is in
+    the bar, up to "not known".
     """
-    lengths = []
-    for steps in (6, 20):
+    solution, fine = solved(wave(240, -300.0, 100.0), wave(240, 0.0, 40.0), SOFT, HARD)
+    station, zone = fine.stations[0], last_zones(fine)[0]
+    truth = moving(solution, station.inward, station.position)
+    assert 0.02 < truth < 0.035
+    assert abs(zone.length - truth) < zone.spread + 0.003
+    assert zone.spread < 0.15 * zone.length
+    for steps in (6, 20, 60):
         _, contact = solved(wave(steps, -300.0, 100.0), wave(steps, 0.0, 40.0), SOFT, HARD)
-        zone = contact.stations[0].longest_zone
-        assert zone is not None
-        assert zone.resolved
-        assert zone.spread < 0.06 * zone.length
-        lengths.append(zone.length)
-    assert lengths[0] == pytest.approx(lengths[1], abs=0.005)
-    assert lengths[1] == pytest.approx(0.384, abs=0.005)
+        coarse = last_zones(contact)[0]
+        assert abs(coarse.length - zone.length) < coarse.spread + zone.spread
+        assert coarse.resolved is (steps == 60)
 
 
 def test_shear_before_a_last_load_of_p_alone_is_told() -> None:
@@ -140,18 +168,13 @@ def test_shear_before_a_last_load_of_p_alone_is_told() -> None:
         assert others[-1] > 0.1
 
 
-def test_a_zone_that_begins_within_a_step_has_that_in_its_bar() -> None:
-    """P and Q in phase, so that the edge covers places in the step in which slip begins.
-
-    Told was .2035 +- .0007 with 8 steps; .2207 with 20.
-    """
-    zones = []
-    for steps in (8, 20):
+def test_zones_of_loads_in_phase_do_not_depend_on_steps() -> None:
+    """P and Q in phase: .115 and .152 in first loading, then .046 with 200 steps a period."""
+    for steps in (8, 20, 60):
         loads = wave(steps, -600.0, 200.0), wave(steps, 0.0, 100.0, 180.0)
         _, contact = solved(*loads, TITANIUM, STEEL | {"poisson": 0.29}, friction=0.6)
-        found = (each.longest_zone for each in contact.stations)
-        zones.append(max((each.length, each.spread) for each in found if each and each.resolved))
-    (coarse, spread), (fine, fine_spread) = zones
-    assert abs(coarse - fine) < spread + fine_spread
-    assert fine_spread < 0.05 * fine
-    assert spread < 0.15 * coarse
+        first = [each.slip_zones[0] for each in contact.stations]
+        assert [each.length for each in first] == pytest.approx([0.1148, 0.1516], abs=0.002)
+        steady = last_zones(contact)[0]
+        assert abs(steady.length - 0.0462) < steady.spread + 0.0011
+        assert steady.spread < (0.5 if steps < 20 else 0.25) * steady.length

@@ -186,8 +186,7 @@ class PlaneEdges(EdgeData):
         steps = slip_in_steps(contact, 0, len(place) - 1, self.steps.solution.least_slip)
         along = steps @ front.axis(direction, steps.shape[2])
         s = front.inward * (contact.surface.arc - place[1:, None])
-        closed = np.asarray(contact.status[1:]) != OPEN
-        return seen_slip(along, s, closed, self.half_width[1:])
+        return seen_slip(along, s, np.asarray(contact.status[1:]) != OPEN, self.half_width[1:])
 
     @cached_property
     def _sliding(self) -> Array:

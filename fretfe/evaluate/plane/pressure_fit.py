@@ -296,5 +296,4 @@ def why_no_root(x: Array, pressure: Array, patch: Patch, front: PlaneFront) -> R
     # In contact from the edge to the largest pressure on its side of the patch.
     inward = front.from_front(pressure[patch.first : patch.last + 1])
     nodes = int(np.argmax(inward[: (len(inward) + 1) // 2])) + 1
-    kind = Kind.STEEP if nodes < WANTED_TO_PEAK else Kind.NO_ROOT
-    return Reason(kind, nodes, WANTED_TO_PEAK)
+    return Reason(Kind.STEEP if nodes < WANTED_TO_PEAK else Kind.NO_ROOT, nodes, WANTED_TO_PEAK)

@@ -276,17 +276,13 @@ class FrontFinder:
         return free, (_mirror(middles[0], first), _mirror(middles[-1], last))
 
     def _at(self, frames: Frames, contact: Bools, node: int) -> SpaceFront:
-        depth = self._depths(frames, contact)
+        s, _, last = self._ways(frames, contact)
+        depth = s[last] / 2  # to where the contact ends
         sectors = tuple(
             self._sectors.around(frames, station, FARTHEST * float(depth[station]))
             for station in range(len(frames.arc))
         )
         return SpaceFront(frames, sectors, depth, self._weights, node)
-
-    def _depths(self, frames: Frames, contact: Bools) -> Array:
-        """(n,) half of the distances along `inward` to where the contact ends."""
-        s, _, last = self._ways(frames, contact)
-        return np.asarray(s[last] / 2)
 
     def _rises(self, frames: Frames, contact: Bools, pressure: Array) -> Array:
         """(n,) distances along `inward` to the largest pressure before the contact ends."""
@@ -455,15 +451,10 @@ def _follow(
         found = borders(int(states[row]))
         nearest = _nearest(front, [frames for frames, _ in found])
         if nearest is not None:
-            values[:2, row] = _by_outline(front, *found[nearest])
+            fit = np.zeros((len(UNKNOWN), len(found[nearest][0].arc)))
+            fit[:2] = found[nearest][1]  # places of a `Border`, and error bars
+            values[:2, row] = at_stations(found[nearest][0], fit, front.frames)[:2]
     return FrontFit(*values)
-
-
-def _by_outline(front: SpaceFront, frames: Frames, known: Array) -> Array:
-    """(2, n) places of a `Border` at the stations of a front, and error bars."""
-    fit = np.zeros((len(UNKNOWN), len(frames.arc)))
-    fit[:2] = known
-    return at_stations(frames, fit, front.frames)[:2]
 
 
 def _same(front: SpaceFront, others: tuple[SpaceFront, ...]) -> SpaceFront | None:

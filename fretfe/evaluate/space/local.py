@@ -454,8 +454,7 @@ class _Shape:
 
     def round_work(self, length: float) -> float:
         """Friction work over that of the plane problem, by its longest slip zone."""
-        depth = min(length / self.half_width, DEEPEST)
-        return float(work_share(self.power, depth, self.twist))
+        return float(work_share(self.power, min(length / self.half_width, DEEPEST), self.twist))
 
 
 @dataclass(frozen=True)

@@ -157,5 +157,4 @@ def _beside(swing: Array, front: SpaceFront, station: int) -> float:
 
 def _largest(history: Array, cycle: Indices) -> float:
     """Size of the range of a vector (T, 2) over the cycle."""
-    direction = main_direction(history, cycle)[0]
-    return cycle_range(history @ direction, cycle)
+    return cycle_range(history @ main_direction(history, cycle)[0], cycle)

@@ -241,7 +241,7 @@ class SlipBetween:
                     border = by(1.0)
             grown = growth(start, end)
             if grown is not None:
-                border = evened(grown, sector.s - here, border, by, sector.size)
+                return evened(grown, sector.s - here, border, by, sector.size)
             return border
 
         return find
