@@ -70,7 +70,8 @@ def test_unlike_bodies_stretch_under_p(widths: int) -> None:
     assert limit.quantity == STRETCH
     assert change == pytest.approx(OF_HALF_PLANES - BY_WIDTH[widths], rel=0.25)
     warned = Kind.BODY_STRETCH in {each.kind for each in contact.warnings}
-    assert limit.exceeded == warned == (widths == 18)
+    # At 75 half-widths it is 5.2 % of the slip zone.
+    assert limit.exceeded and warned
     for station in contact.stations:
         assert station.slip_zones[-1].spread > change * contact.half_width[-1]
 
