@@ -48,8 +48,7 @@ def main_direction(history: Array, cycle: Indices) -> tuple[Array, float]:
     axes = np.linalg.svd(vectors - vectors.mean(axis=0), full_matrices=False)[2]
     along, across = (np.ptp(vectors @ axis) for axis in axes)
     leading = axes[0, 0] if abs(axes[0, 0]) > ROUND_OFF else axes[0, 1]
-    direction = axes[0] * (1.0 if leading >= 0 else -1.0)
-    return np.asarray(direction), float(across / along)
+    return np.asarray(axes[0] * (1.0 if leading >= 0 else -1.0)), float(across / along)
 
 
 def along_line(factors: Array, direction: Array) -> Array:

@@ -175,6 +175,8 @@ def zones_of(
         if math.isnan(cyclic) and not pressed and rests and alike:
             cyclic = _asymptote(memory, half)
         spread = math.hypot(border.spread, float(station.position_spread[end]))
+        if pressed and border.length > 0:  # what slips depends on where the edge is in the step
+            spread = math.hypot(spread, float(np.ptp(station.position[start : end + 1])))
         if not unlike and border.length > 0:
             border, doubt = _without_steps(border, memory.misplaced(half, length))
             spread = math.hypot(spread, doubt)

@@ -78,8 +78,7 @@ def integral_units(solution: Solution, contact: ContactHistory, positions: Array
             factors[lost] = np.where(np.isfinite(factors[lost]), factors[lost], alone)
         return rotated(factors, beta, 1 / half_width)
 
-    checks = None if beta else fits
-    return UnitFactors(map(by_way, range(len(integrals.reaches))), checks)
+    return UnitFactors(map(by_way, range(len(integrals.reaches))), None if beta else fits)
 
 
 def _own_area(solution: Solution, contact: ContactHistory, area: int) -> tuple[Array, float]:
