@@ -24,10 +24,11 @@ from campaign.irregular_tables import coverage
 from campaign.judge import QUANTITIES, Judged, judge_case, judge_moving
 from campaign.judge_solids import SOLID_QUANTITIES, judge_moving_solid, judge_solid
 from campaign.tables import RESOLVED, RESOLVED_SOLIDS, kinds, tables
-from campaign.unlike import UNLIKE_QUANTITIES, judge_unlike
+from campaign.unlike import UNLIKE_QUANTITIES, judge_moving_unlike, judge_unlike
 
 # How many are judged if nothing is said, and by what, by the words.
 COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40, "unlike": 60}
+COUNTS |= {"moving unlike": 40}
 COUNTS |= {"irregular": 400, "irregular elements": 400}
 JUDGES: dict[str, Callable[[int], list[Judged]]] = {
     "": judge_case,
@@ -35,6 +36,7 @@ JUDGES: dict[str, Callable[[int], list[Judged]]] = {
     "solids": judge_solid,
     "moving solids": judge_moving_solid,
     "unlike": judge_unlike,
+    "moving unlike": judge_moving_unlike,
     "irregular": partial(judge_irregular, seed=SEED),
     "irregular elements": partial(judge_irregular_elements, seed=SEED),
 }
@@ -64,7 +66,7 @@ def main() -> None:
     unlike = (UNLIKE_QUANTITIES, RESOLVED)
     print(
         tables(
-            judged, *(of_solids if "solids" in which else unlike if which == "unlike" else plane)
+            judged, *(of_solids if "solids" in which else unlike if "unlike" in which else plane)
         )
     )
     if which == "moving":

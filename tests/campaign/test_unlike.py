@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from campaign.extent import by_extent
 from campaign.judge import Judged
-from campaign.unlike import UNLIKE_QUANTITIES, judge_unlike
+from campaign.unlike import UNLIKE_QUANTITIES, judge_moving_unlike, judge_unlike
 
 
 def held(judged: list[Judged], quantity: str) -> float:
@@ -28,3 +28,10 @@ def test_error_bars_of_pairs_hold() -> None:
     judged = [each for number in range(1, by_extent(3, 60)) for each in judge_unlike(number)]
     for quantity in UNLIKE_QUANTITIES:
         assert held(judged, quantity) >= 0.95, quantity
+
+
+@pytest.mark.slow
+def test_bars_hold_with_few_steps_as_p_moves_the_edges() -> None:
+    """A third of the zones were outside when all places counted that slip had passed."""
+    judged = [each for number in range(by_extent(2, 40)) for each in judge_moving_unlike(number)]
+    assert held(judged, "d") >= 0.9

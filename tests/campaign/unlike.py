@@ -24,12 +24,45 @@ FINER = by_extent(3, 4)
 STEPS, CYCLES = 16, 2
 # Steps in which the normal load grows against friction.
 GRIPPING_STEPS = 10
+# Steps a period of loads that move the edges, of which some meet the peaks; so many have a limit.
+MOVING_STEPS, FINE_STEPS = (12, 24, 48), 144
 
 
 def judge_unlike(number: int) -> list[Judged]:
     """All numbers of the pair of a number."""
     one = draw_unlike(number)
     return list(_judge(one, *(_stations(one, times) for times in (1, FINER))))
+
+
+def judge_moving_unlike(number: int) -> list[Judged]:
+    """Longest slip zones under waves of P and Q out of phase, with few steps beside many."""
+    one = draw_unlike(number)
+    random = np.random.default_rng(19000 + number)
+    swing, phase = random.choice([0.1, 0.25, 0.5, 0.75]), random.choice(np.arange(7)) * np.pi / 6
+    share = one.friction * (1 - swing) * random.uniform(0.3, 0.85)
+
+    def longest(steps: int) -> list[tuple[str, float, float]]:
+        angle = loop(steps, CYCLES)
+        shear = started(LOAD * share * np.sin(angle + phase))
+        normal = np.full_like(shear, LOAD)
+        normal[-len(angle) :] *= 1 + swing * np.sin(angle)
+        given = problem(normal, shear, friction=one.friction, cycle=steps)
+        contact = solved(replace(given, dundurs=one.beta, guided=one.guided), one.elements)
+        known = [[e for e in each.slip_zones if e.resolved] for each in contact.stations]
+        zones = [max(each, key=lambda zone: zone.length, default=None) for each in known]
+        names = [each.front for each in contact.stations]
+        return [
+            (name, zone.length, zone.spread) if zone else (name, math.nan, 0.0)
+            for name, zone in zip(names, zones, strict=True)
+        ]
+
+    truth = longest(FINE_STEPS)
+    return [
+        Judged(one, f"{name}, {steps} steps", "d", length, spread, exact, allowance, remark="")
+        for steps in MOVING_STEPS
+        for (name, length, spread), (_, exact, allowance) in zip(longest(steps), truth, strict=True)
+        if not math.isnan(exact)
+    ]
 
 
 def _stations(one: UnlikeDraw, times: int) -> tuple[Station, ...]:
