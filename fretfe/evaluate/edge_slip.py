@@ -232,7 +232,7 @@ class HalfCycle:
         length: of the zone; NaN if the whole contact slips.
         deepest: states in between from which and in which slip comes deepest of what is left at
             `turn`, also where places have been covered and stick since.
-        within: by how much the zone may get longer in the step in which it ends, by nodes.
+        within: by how much the zone may be longer within steps, by nodes.
     """
 
     start: int

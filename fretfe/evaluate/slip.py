@@ -113,8 +113,7 @@ def half_cycles(
     inside = [each for each in found if each.turn > cycle[0]]
     if not inside:
         return (memory.still(int(cycle[0])),)
-    cut_off = len(inside) > 1 and memory.cut_off(inside[-1], inside[:-1])
-    return found[:-1] if cut_off else found
+    return found[:-1] if memory.cut_off(inside[-1], inside[:-1]) else found
 
 
 def slip_zones(

@@ -28,8 +28,7 @@ from campaign.unlike import UNLIKE_QUANTITIES, judge_moving_unlike, judge_unlike
 
 # How many are judged if nothing is said, and by what, by the words.
 COUNTS = {"": 300, "moving": 100, "solids": 30, "moving solids": 40, "unlike": 60}
-COUNTS |= {"moving unlike": 40}
-COUNTS |= {"irregular": 400, "irregular elements": 400}
+COUNTS |= {"moving unlike": 40, "irregular": 400, "irregular elements": 400}
 JUDGES: dict[str, Callable[[int], list[Judged]]] = {
     "": judge_case,
     "moving": judge_moving,

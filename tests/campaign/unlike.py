@@ -15,6 +15,7 @@ from cases.halfplane_problems import LOAD, loop, problem, solved, started
 
 from fretfe.evaluate.contacts import Station
 from fretfe.evaluate.verdicts import judge
+from fretfe.idealise import HalfPlaneProblem
 from fretfe.verdict import Verdict
 
 # d by the slip of the nodes, and d as the factors predict it.
@@ -47,13 +48,10 @@ def judge_moving_unlike(number: int) -> list[Judged]:
         normal = np.full_like(shear, LOAD)
         normal[-len(angle) :] *= 1 + swing * np.sin(angle)
         given = problem(normal, shear, friction=one.friction, cycle=steps)
-        contact = solved(replace(given, dundurs=one.beta, guided=one.guided), one.elements)
-        known = [[e for e in each.slip_zones if e.resolved] for each in contact.stations]
-        zones = [max(each, key=lambda zone: zone.length, default=None) for each in known]
-        names = [each.front for each in contact.stations]
+        told = [(each.front, each.longest_zone) for each in _solved(one, given, one.elements)]
         return [
-            (name, zone.length, zone.spread) if zone else (name, math.nan, 0.0)
-            for name, zone in zip(names, zones, strict=True)
+            (front, zone.length, zone.spread) if zone and zone.resolved else (front, math.nan, 0.0)
+            for front, zone in told
         ]
 
     truth = longest(FINE_STEPS)
@@ -63,6 +61,10 @@ def judge_moving_unlike(number: int) -> list[Judged]:
         for (name, length, spread), (_, exact, allowance) in zip(longest(steps), truth, strict=True)
         if not math.isnan(exact)
     ]
+
+
+def _solved(one: UnlikeDraw, given: HalfPlaneProblem, elements: int) -> tuple[Station, ...]:
+    return solved(replace(given, dundurs=one.beta, guided=one.guided), elements).stations
 
 
 def _stations(one: UnlikeDraw, times: int) -> tuple[Station, ...]:
@@ -81,9 +83,7 @@ def _stations(one: UnlikeDraw, times: int) -> tuple[Station, ...]:
         )
     loads = (normal, shear, 0.0, tension)
     given = problem(*loads, friction=one.friction, cycle=STEPS, frictional_press=one.gripping)
-    return solved(
-        replace(given, dundurs=one.beta, guided=one.guided), times * one.elements
-    ).stations
+    return _solved(one, given, times * one.elements)
 
 
 def _judge(

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 
 import numpy as np
 import pytest
@@ -61,23 +62,36 @@ def out_of_phase(steps: int) -> tuple[Solution, Contact]:
     return solved(wave(steps, -600.0, 100.0, -90.0), wave(steps, 20.0, 60.0))
 
 
+def last_steps(
+    solution: Solution, inward: int, position: Array
+) -> Iterator[tuple[int, Array, Array]]:
+    """States of the last cycle, slip of nodes that slip at an edge in the step to them, and where.
+
+    Places are ways inward of the edge, infinite of other nodes.
+    """
+    (history,) = solution.contacts
+    first, last = solution.cycle or (0, 0)
+    for state in range(first + 1, last + 1):
+        slip = np.diff(history.slip[state - 1 : state + 1, :, 0], axis=0)[0]
+        s = inward * (history.surface.arc - position[state])
+        near = (s > 0) & (s < 0.5)
+        slips = near & (history.status[state] == SLIP)
+        yield state, np.where(slips, slip, 0.0), np.where(near, s, np.inf)
+
+
 def longest(solution: Solution, inward: int, position: Array) -> float:
     """Longest way from an edge to what has slipped since slip turned round, in the last cycle.
 
     What slips only where the edge has not been before has no part in that.
     """
-    (history,) = solution.contacts
-    arc, (first, last) = history.surface.arc, solution.cycle or (0, 0)
+    arc = inward * solution.contacts[0].surface.arc
     found, inner, edge, way = 0.0, 0.0, math.inf, 0
-    for state in range(first + 1, last + 1):
-        slip = np.diff(history.slip[state - 1 : state + 1, :, 0], axis=0)[0]
-        s = inward * (arc - position[state])
-        own = (s > 0) & (s < 0.5) & (history.status[state] == SLIP)
-        size = np.abs(np.where(own, slip, 0.0))
+    for state, slip, _ in last_steps(solution, inward, position):
+        size = np.abs(slip)
         if not size.max() > 1e-6:  # a hundredth of the largest
             continue
         now = int(np.sign(slip[size.argmax()]))
-        place = float((inward * arc)[own & (size > 1e-2 * size.max())].max())
+        place = float(arc[size > 1e-2 * size.max()].max())
         inner = max(inner, place) if now == way and place > edge else place
         edge, way = inward * float(position[state]), now
         found = max(found, inner - edge)
@@ -111,18 +125,13 @@ def last_zones(contact: Contact) -> list[SlipZone]:
 
 def moving(solution: Solution, inward: int, position: Array) -> float:
     """Longest way from an edge to what slips on from it in one step of the last cycle."""
-    (history,) = solution.contacts
-    arc, (first, last) = history.surface.arc, solution.cycle or (0, 0)
     found = 0.0
-    for state in range(first + 1, last + 1):
-        slip = np.diff(history.slip[state - 1 : state + 1, :, 0], axis=0)[0]
-        s = inward * (arc - position[state])
-        order = np.argsort(np.where((s > 0) & (s < 0.5), s, np.inf))
-        size = np.where(history.status[state] == SLIP, slip, 0.0)[order]
-        size *= np.sign(size[np.abs(size[:40]).argmax()])
-        if not size[:40].max() > 1e-6:
+    for _, slip, s in last_steps(solution, inward, position):
+        order = np.argsort(s)[: np.count_nonzero(np.isfinite(s))]
+        size = slip[order] * np.sign(slip[np.abs(slip).argmax()])
+        if not size.max() > 1e-6:
             continue
-        stuck = np.flatnonzero(size[1:] <= 1e-2 * size[:40].max())
+        stuck = np.flatnonzero(size[1:] <= 1e-2 * size.max())
         found = max(found, float(s[order[stuck[0]]]))
     return found
 

@@ -451,9 +451,10 @@ def _follow(
         found = borders(int(states[row]))
         nearest = _nearest(front, [frames for frames, _ in found])
         if nearest is not None:
-            fit = np.zeros((len(UNKNOWN), len(found[nearest][0].arc)))
-            fit[:2] = found[nearest][1]  # places of a `Border`, and error bars
-            values[:2, row] = at_stations(found[nearest][0], fit, front.frames)[:2]
+            frames, known = found[nearest]  # places of a `Border`, and error bars
+            fit = np.zeros((len(UNKNOWN), len(frames.arc)))
+            fit[:2] = known
+            values[:2, row] = at_stations(frames, fit, front.frames)[:2]
     return FrontFit(*values)
 
 
