@@ -51,22 +51,8 @@ class OnPlanes:
         normal = _component(self.stress, self.normals, self.normals)
         return np.asarray(np.maximum(normal.max(axis=0), 0.0))
 
-    @property
-    def strain_range(self) -> Array:
-        """(m, P) largest less smallest normal strain."""
-        return np.asarray(np.ptp(_component(self.strain, self.normals, self.normals), axis=0))
-
-    @property
-    def shear_range(self) -> Array:
-        """(m, P) largest distance between two places of the shear strain."""
-        return 2 * self._chord(self.strain)
-
-    @property
-    def shear_stress_range(self) -> Array:
-        """(m, P) largest distance between two places of the shear stress."""
-        return self._chord(self.stress)
-
-    def _chord(self, tensor: Array) -> Array:
+    def shear_range(self, tensor: Array) -> Array:
+        """(m, P) largest distance between two places of the shear of a tensor (n, m, 6)."""
         along = _tangents(self.normals)
         x, y = (_component(tensor, self.normals, tangent) for tangent in along)
         return _longest_chord(x, y)
@@ -95,7 +81,8 @@ def smith_watson_topper(planes: OnPlanes) -> Array:
     Eng. Mater. Technol. 109, 1987). eps_n,a is half the range of the normal strain. For cracks that
     grow under tension; uniaxial, push-pull or pulsating: sigma_max^2 (1 - R)/(2 E).
     """
-    return planes.largest_pull * planes.strain_range / 2
+    strain = _component(planes.strain, planes.normals, planes.normals)
+    return planes.largest_pull * np.ptp(strain, axis=0) / 2
 
 
 def fatemi_socie(k: float, yield_stress: float) -> Parameter:
@@ -120,7 +107,7 @@ def fatemi_socie(k: float, yield_stress: float) -> Parameter:
         )
 
     def parameter(planes: OnPlanes) -> Array:
-        amplitude = planes.shear_range / 2
+        amplitude = planes.shear_range(planes.strain)
         return amplitude * (1 + k * planes.largest_pull / yield_stress) if k else amplitude
 
     return parameter
@@ -137,7 +124,7 @@ def findley(k: float) -> Parameter:
     Args:
         k: weight of the normal stress; >= 0.
     """
-    return lambda planes: planes.shear_stress_range / 2 + k * planes.largest_pull
+    return lambda planes: planes.shear_range(planes.stress) / 2 + k * planes.largest_pull
 
 
 def find_critical(stress: Array, strain: Array, parameter: Parameter) -> Critical:

@@ -17,8 +17,9 @@ from fretfe.history.solution import Factor
 History = TypeVar("History", bound=StationHistory)
 # Factors of drivers cancel one another where their sum is less than this part of its terms.
 CANCELS = 0.3
-# Part of its largest hold up to which an edge between bodies with elements counts as parted: with
-# less, what sums of increments miss of the shear would be all that friction takes.
+# Part of its largest hold up to which an edge counts as parted between bodies with elements, or
+# under several drivers: with less, what sums of increments miss of the shear is all that friction
+# takes.
 VANISHING = 0.05
 
 
@@ -79,7 +80,7 @@ def edge_loads(
 def returned(
     loads: EdgeLoads, drivers: Array, rubs: Bools, cycles: Sequence[tuple[int, int]]
 ) -> EdgeLoads:
-    """Loads of an edge of which the shear returns in cycles in which the drivers (T, J) do.
+    """Loads of an edge that return in cycles in which the drivers (T, J) do.
 
     Args:
         loads: of the edge.
@@ -87,20 +88,23 @@ def returned(
         rubs: (T,) states in which bodies touch with friction.
         cycles: first and last state of each.
     """
-    increments = np.diff(np.column_stack([loads.hold, loads.shear]), axis=0)
-    left = left_over(increments, drivers, rubs, cycles)[:, 1]
-    shear = loads.shear - np.append(0.0, np.cumsum(np.nan_to_num(left)))
-    most = max((abs(float(left[slice(*each)].sum())) for each in cycles), default=0.0)
+    sums = np.array([loads.hold, loads.shear])
+    left = left_over(np.diff(sums).T, drivers, rubs, cycles).T
+    hold, shear = sums - np.pad(np.cumsum(np.nan_to_num(left), axis=1), ((0, 0), (1, 0)))
+    most = max((abs(float(left[1, slice(*each)].sum())) for each in cycles), default=0.0)
     swing = float(np.nanmax(shear, initial=-np.inf) - np.nanmin(shear, initial=np.inf))
-    return replace(loads, shear=shear, loose=most / swing if swing > 0 else 0.0)
+    hold = np.where(loads.hold > 0, hold, loads.hold)
+    return replace(loads, hold=hold, shear=shear, loose=most / swing if swing > 0 else 0.0)
 
 
-def without_traces(loads: EdgeLoads) -> EdgeLoads:
+def without_traces(loads: EdgeLoads, *, exact: bool) -> EdgeLoads:
     """Loads of an edge without what its hold and shear are where that counts as parted.
 
-    The shear is that in the state of the least hold among them: both vanish together.
+    The shear is that in the state of the least hold among them: both vanish together. Sums are
+    exact for half-planes under one driver.
     """
-    vanishes = loads.hold <= VANISHING * np.nanmax(loads.hold, initial=0.0)
+    least = min(VANISHING, loads.apart) if exact else VANISHING
+    vanishes = loads.hold <= least * np.nanmax(loads.hold, initial=0.0)
     shear, runs = loads.shear.copy(), np.cumsum(np.diff(vanishes, prepend=False))
     for run in np.unique(runs[vanishes]):
         states = np.flatnonzero(runs == run)

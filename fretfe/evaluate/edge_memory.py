@@ -113,7 +113,7 @@ class EdgeMemory:
             station=station,
             friction=friction,
             places=places,
-            gained=places.gain(-station.inward * station.position),
+            gained=places.gain(-station.inward * station.position, station.hold),
             begin=begin,
             last=last,
             rubbed=bool((friction[1 : begin + 1] > 0).any()) and hold[begin] > 0,
@@ -419,11 +419,6 @@ class EdgeMemory:
         if not half.way:
             return half.start
         return half.start + int(np.argmax(self.slip.way[half.start + 1 : half.end + 1] == half.way))
-
-    def softens(self, start: int, end: int) -> bool:
-        """True if the coefficient falls between two states by more than borders would show."""
-        inside = self.friction[max(start, 1) : end + 1]
-        return bool((inside < (1 - BEHIND) * np.maximum.accumulate(inside)).any())
 
     def misplaced(self, half: HalfCycle, told: float) -> float:
         """Length by which nodes find a zone longer than it is where steps have covered its end.

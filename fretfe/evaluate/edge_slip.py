@@ -10,7 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
-from fretfe.evaluate.contacts import ROUND_OFF, StationHistory
+from fretfe.evaluate.contacts import NOTHING, ROUND_OFF, StationHistory
 
 # Slip by less than this part of the largest one is no reversal.
 TOLERANCE = 1e-6
@@ -91,18 +91,19 @@ class Places:
             return float(self.unit[0] / math.sqrt(share)) if share > 0 else math.inf
         return float(np.interp(place, self.outward, self.unit**-2.0) ** -0.5)
 
-    def gain(self, outward: Array) -> Array:
-        """(T,) what it has gained at places (T,)."""
+    def gain(self, outward: Array, hold: Array) -> Array:
+        """(T,) what it has gained at places (T,), by its hold (T,) where that is faint."""
         if not len(self.gained):
             return math.nan * outward
-        way, first = outward - self.outward[0], float(self.rate[0])
+        way, left = outward - self.outward[0], float(self.rate[0]) * self.reach / self.power
         share = np.maximum(1 + np.minimum(way, 0.0) / self.reach, self._least)
-        less = first * self.reach / self.power * (share**self.power - 1)
         rate, bend = self._pieces
         number = np.clip(np.searchsorted(self.outward, outward) - 1, 0, len(rate) - 1)
         along = outward - self.outward[number]
         inside = self.gained[number] + along * (rate[number] + along * bend[number] / 2)
-        return np.where(way < 0, self.gained[0] + less, inside)
+        told = np.where(way < 0, self.gained[0] + left * (share**self.power - 1), inside)
+        faint = hold <= NOTHING * np.nanmax(hold, initial=0.0)
+        return np.where(faint, self.gained[0] + hold - left, told)
 
 
 @dataclass(frozen=True)
@@ -266,7 +267,9 @@ def places_of(
     outward, hold, unit = -station.inward * station.position[every], station.hold, station.unit
     hold, unit = hold[every], unit[every]
     rate = station.k_n[every] / (2 * unit)
-    states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & (hold > 0))
+    # With next to no hold elements do not tell where the edge of a flat is.
+    pressed = hold > NOTHING * np.nanmax(hold, initial=0.0)
+    states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & pressed)
     states = states[np.argsort(outward[states], kind="stable")]
     middle = -station.inward * station.position[station.last] - half_width
     if not len(states):
@@ -279,8 +282,8 @@ def places_of(
     reach, growth = float(outward[0] - middle), stiffening
     if rate.max() > WIDE * rate.min():
         growth = float((rate[-1] - rate[0]) / (outward[-1] - outward[0]) / rate[0])
-    if exact and (np.diff(hold) > 0).all():
-        growth, gained = math.nan, hold
+    if exact:
+        growth, gained = math.nan, hold if (np.diff(hold) > 0).all() else gained
     if not reach > 0:  # a parabola, or a straight line
         growth = float(np.nan_to_num(growth))
         reach = 1 / growth if growth else 1.0

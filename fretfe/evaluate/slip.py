@@ -13,7 +13,7 @@ from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
 from fretfe.evaluate.contacts import NOTHING, SlipZone, StationHistory
 from fretfe.evaluate.edge_memory import EdgeMemory
-from fretfe.evaluate.edge_slip import HalfCycle
+from fretfe.evaluate.edge_slip import BEHIND, HalfCycle
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
 
 States = Indices
@@ -158,7 +158,9 @@ def zones_of(
         start, end = half.start, half.end
         if not (np.isfinite(station.position[end]) and (unlike or memory.hold[end] > 0)):
             continue  # no contact to tell one of
-        if memory.softens(start, half.turn):  # what slips then shows in no factor
+        acting = friction[max(start, 1) : half.turn + 1]
+        # What slips as the coefficient falls shows in no factor.
+        if (acting < (1 - BEHIND) * np.maximum.accumulate(acting)).any():
             zones.append(SlipZone.untold(start, half.turn))
             continue
         border = find_border(start if unlike else memory.onset(half), end)
@@ -190,7 +192,8 @@ def zones_of(
             end=end,
             length=border.length,
             border=place + station.inward * inner.length,
-            spread=math.hypot(spread, missed),
+            # By memory a zone is that much longer within the step; by nodes it may be.
+            spread=math.hypot(spread, missed) if unlike else spread + missed,
             resolved=border.resolved and told,
             gross=border.gross,
             predicted=cyclic,

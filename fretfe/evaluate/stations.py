@@ -384,12 +384,12 @@ class EdgeData(ABC):
         found = edge_loads(units, drivers, friction, touching, direction, self.last)
         found = returned(found, drivers, friction & touching, self.steps.cycles)
         if self.factors.exact:
-            return found
+            return without_traces(found, exact=True)
         # While a contact slides its edge moves by what slides: increments of full stick miss that.
         short = np.where(np.isfinite(least), least / found.unit - found.hold, 0.0)
         lift = max(float(short[most_loaded(self.force, np.arange(self.last + 1))]), 0.0)
         hold = np.where(touching, found.hold + lift, found.hold)
-        return without_traces(replace(found, hold=hold))
+        return without_traces(replace(found, hold=hold), exact=False)
 
     def _largest(self, memory: EdgeMemory | None, whole: EdgeMemory | None) -> dict[str, Any]:
         """Largest half cycles of the evaluated cycle, and of the whole history."""

@@ -26,7 +26,8 @@ SAME_TIME = 1e-9
 # A wave or table may start this fraction of its largest value away from where the load stands:
 # values typed with seven digits are continuous.
 SAME_VALUE = 1e-6
-# The ends of a table that is repeated may differ by this fraction of its range.
+# The ends of a table that is repeated may differ by this fraction of its range; loads of less than
+# this part of their largest value are round-off of nothing.
 SAME_END = 1e-9
 # Periods divide a cycle if their ratio is a whole number to this accuracy (periods are typed).
 WHOLE_NUMBER = 1e-6
@@ -634,4 +635,4 @@ def _evaluate(pieces: Sequence[Piece], times: Array) -> Array:
     for piece in pieces:
         after = times > piece.start
         values[after] = piece.value(np.minimum(times[after], piece.end))
-    return values
+    return np.where(np.abs(values) > SAME_END * np.abs(values).max(), values, 0.0)

@@ -306,6 +306,8 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)
     if judgement.verdict is Verdict.NOT_RESOLVED or not shown:
         yield "the mesh does not resolve the slip zone"
+    elif judgement.verdict is Verdict.DIFFERS and station.coupling == 0:
+        yield "the slip zone found is not the one predicted"
     elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not withheld(station):
         yield f"the slip zone is compared with nothing: {judgement.reason}"
     exceeded = [each for each in run.limits if each.exceeded or each.doubtful]

@@ -223,7 +223,7 @@ def _result(directory: Path, case: Case, numbers: Mapping[str, Any]) -> Result:
         seconds=numbers["seconds"],
         ranks=numbers["ranks"],
         limits=_as(tuple[ModelLimit, ...], numbers["limits"]),
-        refinement=restored_refinement(refinement) if refinement else None,
+        refinement=restored(Refinement, refinement) if refinement else None,
         directory=directory,
         faults=_as(tuple[Fault, ...], numbers["faults"]),
     )
@@ -259,11 +259,6 @@ def _rows(table: Any) -> Sequence[Mapping[str, Any]]:
         return _listed(table)
     lists = (values.tolist() for values in table.values())
     return [dict(zip(table, row, strict=True)) for row in zip(*lists, strict=True)]
-
-
-def restored_refinement(table: Mapping[str, Any]) -> Refinement:
-    """A refinement from its table in `results.json`."""
-    return restored(Refinement, table)
 
 
 def restored(cls: type[T], table: Mapping[str, Any]) -> T:

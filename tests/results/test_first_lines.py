@@ -149,6 +149,7 @@ def test_a_zone_without_a_formula_is_called_so() -> None:
     ("doubt", "change"),
     [
         ("the cycle is not steady", lambda: changed(differing, steady=False, cycle_change=0.2)),
+        ("the slip zone found is not the one predicted", lambda: changed(differing)),
         (
             "K_N is known to 20% only",
             lambda: changed(lambda each: replace(each, k_n_spread=0.2 * each.k_n)),
@@ -173,7 +174,7 @@ def test_a_zone_without_a_formula_is_called_so() -> None:
             ),
         ),
     ],
-    ids=["unsteady", "K_N", "range", "zone", "limit"],
+    ids=["unsteady", "differs", "K_N", "range", "zone", "limit"],
 )
 def test_what_is_doubtful_is_said(doubt: str, change: Callable[[], Result]) -> None:
     found = headline(change())

@@ -18,7 +18,7 @@ from fretfe.errors import OutputError
 from fretfe.evaluate.refinement import Change, Pass, Refinement, StationValues
 from fretfe.history.solution import ContactHistory
 from fretfe.history.state_array import StateArray
-from fretfe.results.reader import load_result, restored_refinement
+from fretfe.results.reader import load_result, restored
 from fretfe.results.run_folder import KEY
 from fretfe.results.writer import as_numbers
 
@@ -61,7 +61,7 @@ def test_a_refinement_is_restored() -> None:
     change = Change("main", "left", "K_N", 0, 1239.0, 0.5)
     refinement = Refinement(0.01, (Pass(6000, 0.01, (edge,), True, (change,)),), False, "enough")
     numbers = as_numbers(replace(solved("halfplane"), refinement=refinement), {})
-    assert restored_refinement(numbers["refinement"]) == refinement
+    assert restored(Refinement, numbers["refinement"]) == refinement
 
 
 def remove(*keys: str) -> Callable[[dict[str, Any]], object]:

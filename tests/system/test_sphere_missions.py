@@ -15,6 +15,7 @@ import pytest
 import fretfe
 from fretfe._typing import Array
 from fretfe.case import parse_case
+from fretfe.reason import Kind
 
 RADIUS, YOUNG, FRICTION = 100.0, 2e5, 0.4
 STATIONS = 24
@@ -90,3 +91,21 @@ def test_zones_of_missions_from_and_to_zero(
     ranges = np.array([each.told_range for each in contact.stations])
     assert np.median(ranges[:, 1] / ranges[:, 0]) < 0.05
     assert np.std(ranges[:, 0]) < 0.02 * np.mean(ranges[:, 0])
+
+
+def test_stations_whose_k_n_is_unknown_take_no_other_with_them() -> None:
+    """Seven elements over the radius: where P is least few fits know K_N."""
+    corners = [(2000, 0), *[(2900, 500), (1600, -300), (2000, 0)] * 2]
+    data = case(np.array(corners, dtype=float), 1)
+    sides = {f"{body}_{side}": 12 for body in ("upper", "lower") for side in ("width", "height")}
+    data["geometry"]["parameters"] = {"radius_x": 50, "contact_x": 1.0, "size": 0.14, **sides}
+    data["contacts"]["main"]["friction"] = 0.5
+    data["cycle"] = {"start": 4.0, "end": 7.0}
+    result = fretfe.run(parse_case(data))
+    assert result.failure is None and not any(each.kind is Kind.FAULT for each in result.warnings)
+    stations = result.contacts[0].stations
+    known = [np.isfinite(each.k_n[each.last]) for each in stations]
+    assert 0 < sum(known) < STATIONS
+    zones = [each.longest_zone for each in stations]
+    local = [zone is not None and np.isfinite(zone.reported_local) for zone in zones]
+    assert local == known

@@ -452,10 +452,6 @@ class _Shape:
             abs(n - self.locally) * straight**2 / (4 * b),
         )
 
-    def round_work(self, length: float) -> float:
-        """Friction work over that of the plane problem, by its longest slip zone."""
-        return float(work_share(self.power, min(length / self.half_width, DEEPEST), self.twist))
-
 
 @dataclass(frozen=True)
 class _Loads:
@@ -574,12 +570,14 @@ class _Edge:
             return replace(self.station, local=no_local_problem(reason))
         station = replace(self.station, slip_zones=zones)
         told = zip(zones, self.spans, strict=True)
+        shape = self.shape
+        round_work = work_share(shape.power, min(deepest / shape.half_width, DEEPEST), shape.twist)
         span = next((span for zone, span in told if zone is station.longest_zone), None)
         local = LocalProblem(
-            half_width=self.shape.half_width,
-            power=self.shape.power,
+            half_width=shape.half_width,
+            power=shape.power,
             slip=float(profiles[max(profiles)].slip.max()),
-            work=found.work * self.shape.round_work(deepest),
+            work=found.work * float(round_work),
             change=found.change,
             tractions=tuple(
                 each for place, each in found.tractions.items() if place in (span or ())
@@ -652,11 +650,13 @@ def _pose(
     """
     if reason := _unposed(station):
         return reason
-    kept, shape = path.kept, _Shape.of(front, station, twist, path.peak(station))
-    small = kept[path.begin :][~np.isfinite(station.k_n[kept[path.begin :]])]
-    if path.cycle and len(small):
+    kept = path.kept
+    wanted = kept[path.begin :] if path.cycle else np.array([station.last])
+    small = wanted[~np.isfinite(station.k_n[wanted])]
+    if len(small):
         step = path.step_of(int(small[0]))
         return f"the contact is too small in step {step} for factors that are good enough"
+    shape = _Shape.of(front, station, twist, path.peak(station))
     loads = _Loads.of(path, station, shape, dundurs)
     if loads.first > path.begin:
         return (
@@ -745,7 +745,7 @@ def _k_n_around(front: Front, station: Station) -> tuple[float, float]:
     good as those, of which `INDEPENDENT` do not see the same nodes, and by their scatter about it.
     """
     stations = [front.stations[number] for number in _around(front, station)]
-    told = [each for each in stations if math.isfinite(each.reported_k_n)]
+    told = [each for each in stations if math.isfinite(each.k_n[each.last])]
     k_n, bars = np.array([_mean_k_n(each) for each in told]).T
     s = _along(front, station, np.array([each.arc for each in told]))
     order = min(2 if front.closed else 1, len(s) - 1)

@@ -1,0 +1,131 @@
+# SPDX-License-Identifier: LGPL-3.0-or-later
+"""Missions that end without load have the numbers of their largest half cycle, beside half-planes.
+
+Loads fall together on the way down. Where next to nothing is left of them no element tells how
+large a flat still is, and what sums under several drivers miss is all that friction could take.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import pytest
+
+import fretfe
+from fretfe.analytic.profiles import FlatRounded
+from fretfe.case import parse_case
+from fretfe.results.model import Result
+
+FLAT, RADIUS, YOUNG, POISSON = 0.3, 50.0, 210e3, 0.3
+E_STAR = YOUNG / (2 * (1 - POISSON**2))
+WIDE = {f"{body}_{side}": 60.0 for body in ("upper", "lower") for side in ("width", "height")}
+FORMS: dict[str, dict[str, Any]] = {
+    "cylinder": {"upper_radius": RADIUS, "lower_radius": 0.0},
+    "flat_rounded": {"flat_half_width": FLAT, "radius": RADIUS},
+    "wedge": {"angle": 0.6},
+}
+PLATEN = {"type": "platen", "boundary": "upper_top", "control": "force"}
+
+
+def run(
+    form: str,
+    normal: Sequence[float],
+    shear: Sequence[float],
+    tension: Sequence[float],
+    friction: float,
+    steps: int,
+    cycle: dict[str, float],
+) -> Result:
+    """Half-planes under straight ramps from 0 through points at t = 1, 2 ..."""
+
+    def history(values: Sequence[float], sign: float = 1.0) -> list[dict[str, Any]]:
+        along = np.arange(1, steps + 1) / steps
+        found = [one + along * (two - one) for one, two in pairwise([0.0, *values])]
+        times = np.arange(1, steps * len(values) + 1) / steps
+        return [{"times": times.tolist(), "values": (sign * np.concatenate(found)).tolist()}]
+
+    loads: dict[str, Any] = {
+        "press": PLATEN | {"direction": "y", "history": history(normal, -1.0)},
+        "shear": PLATEN | {"direction": "x", "history": history(shear)},
+    }
+    supports = {"bottom": {"boundary": "lower_bottom", "fix": ["x", "y"]}}
+    if any(tension):
+        supports = {
+            "bottom": {"boundary": "lower_bottom", "fix": ["y"]},
+            "left": {"boundary": "lower_left", "fix": ["x"]},
+        }
+        pull = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
+        loads["bulk"] = pull | {"history": history(tension)}
+    data = {
+        "geometry": {"template": form, "parameters": FORMS[form] | WIDE},
+        "bodies": {body: {"young": YOUNG, "poisson": POISSON} for body in ("upper", "lower")},
+        "contacts": {
+            "pad": {
+                "surface1": "upper_contact",
+                "surface2": "lower_contact",
+                "friction": friction,
+            }
+        },
+        "supports": supports,
+        "loads": loads,
+    }
+    return fretfe.run(parse_case(data | ({"cycle": cycle} if cycle else {})), backend="halfplane")
+
+
+@pytest.mark.parametrize("steps", [1, 5])
+def test_a_flat_has_the_zone_of_its_largest_load(steps: int) -> None:
+    """Of first loading: |Q| = f (P - P of what sticks), and K_T by all outside of that."""
+    friction, normal, shear = 0.5, 500.0, 100.0
+    points = (normal, normal, normal, 0.0), (0.0, -20.0, shear, 0.0), (0.0, 0.0, 0.0, 0.0)
+    result = run("flat_rounded", *points, friction, steps, {})
+    form = FlatRounded(FLAT, RADIUS, E_STAR)
+    width, sticks = form.half_width([normal, normal - shear / friction])
+    unit = 1 / (np.pi * np.sqrt(2 * width))
+    assert result.headline.trust == "trusted"
+    for station in result.contacts[0].stations:
+        zone = station.longest_zone
+        assert zone is not None
+        assert abs(zone.length - (width - sticks)) < zone.spread < 0.01 * zone.length
+        assert station.equivalent_range == pytest.approx(2 * unit * shear, rel=1e-3)
+
+
+@pytest.mark.parametrize("residue", [0.0, 1e-13, -1e-13])
+def test_round_off_of_loads_is_none(residue: float) -> None:
+    normal, shear = 250.0, 60.0
+    points = (400.0, normal, residue), (0.0, shear, 0.0), (0.0, 0.0, 0.0)
+    result = run("cylinder", *points, 0.4, 3, {})
+    assert result.contacts[0].smallest_normal_force == 0
+    unit = 1 / (np.pi * np.sqrt(2 * np.sqrt(4 * normal * RADIUS / (np.pi * E_STAR))))
+    for station in result.contacts[0].stations:
+        assert station.equivalent_range == pytest.approx(2 * unit * shear, rel=1e-4)
+
+
+@pytest.mark.parametrize("steps", [1, 15])
+def test_several_drivers_leave_nothing_to_slide(steps: int) -> None:
+    """With 15 steps a ramp the largest half cycle was lost.
+
+    With 100 steps a ramp shear is f p over .1035 to .1054 at the right edge then, and .1028 slip.
+    """
+    points = (331.096, 398.071, 532.048, 0.0), (39.541, 16.507, 144.201, 0.0)
+    result = run("cylinder", *points, (40.428, 51.964, -56.282, 0.0), 0.8, steps, {})
+    station = result.contacts[0].stations[1]
+    zone = station.longest_zone
+    assert zone is not None
+    assert zone.length == pytest.approx(0.1035, rel=0.02) and zone.spread < 0.02 * zone.length
+    assert station.equivalent_range == pytest.approx(92.6, rel=0.005)
+
+
+@pytest.mark.parametrize("steps", [1, 5])
+def test_hold_returns_in_cycles(steps: int) -> None:
+    """P and tension, K_I by sums: what was missed a cycle made slip where nothing slips."""
+    normal, tension = (396.18, 455.952, 565.337, 414.065), (34.708, 9.62, -18.303, 0.0)
+    points = (414.065, *normal, *normal), (0.0,) * 9, (0.0, *tension, *tension)
+    result = run("wedge", *points, 0.89, steps, {"start": 5.0, "end": 9.0})
+    for station in result.contacts[0].stations:
+        # In the last ramp of the cycle, forward; with 100 steps a ramp 6.438.
+        assert station.equivalent_range == pytest.approx(6.438, rel=0.01)
+        zone = station.longest_zone
+        assert zone is not None and result.loads.times[zone.end] == 9.0
