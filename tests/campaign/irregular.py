@@ -93,13 +93,14 @@ def _judge(one: IrregularDraw, found: Found, finite: float) -> Iterator[Judged]:
     pulled = bool(np.any(loads[:, 2]))
     finer = by_half_planes(one, FINER) if pulled else None
     a = one.form.half_width(loads[:, 0])
-    places = [float(station.position[station.last]) for station in found.stations]
     for number, station in enumerate(found.stations):
         # Bodies that lean move both edges alike.
-        half, bar = (places[1] - places[0]) / 2, float(station.position_spread[station.last])
-        yield Judged(one, station.front, "edge", half, bar, a[-1], finite * FINITE_BODY * a[-1], "")
         decisive = int(np.argmin(np.abs(times - found.times[station.decisive])))
-        k_n = float(edge_factor_k_n(one.form, a[decisive]))
+        places = [float(each.position[station.decisive]) for each in found.stations]
+        half, bar = (places[1] - places[0]) / 2, float(station.position_spread[station.decisive])
+        width = a[decisive]
+        yield Judged(one, station.front, "edge", half, bar, width, finite * FINITE_BODY * width, "")
+        k_n = float(edge_factor_k_n(one.form, width))
         value, bar = station.reported_k_n, station.decisive_k_n[1]
         yield Judged(one, station.front, "K_N", value, bar, k_n, finite * FINITE_BODY * k_n, "")
         if cycle:

@@ -2,8 +2,9 @@
 """Random irregular histories of one contact: what is drawn, its loads, and the case it makes.
 
 P, Q and the bulk tension run independently in straight lines from point to point, with reversals
-and inner loops at any place, once after the first loading or as a cycle that repeats. Bodies are so
-large that they are half-planes to a ten-thousandth. All draws of a number depend on it and a seed.
+and inner loops at any place, once after the first loading or as a cycle that repeats. Some of those
+that are passed once end without load. Bodies are so large that they are half-planes to a
+ten-thousandth. All draws of a number depend on it and a seed.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ VARYING = ("shear", "normal", "bulk", "all")
 BODY, POISSON, PRESS_STEPS = 200.0, 0.3, 4
 # Slope of the profile at a = 1, or more than that: inclined surfaces make K_T by pressing alone.
 SLOPE = 1e-3
+# One of so many that are passed once ends without load.
+ENDS = 5
 # Part of the histories whose meshes refine themselves, and the most that these have.
 REFINED, UNKNOWNS = 0.4, 15_000
 
@@ -95,7 +98,9 @@ def draw_irregular(number: int, seed: int) -> IrregularDraw:
     if varying in ("bulk", "all"):
         tension = _turns(random, count) * random.uniform(0.05, 0.5)
         shear *= 0.7
-    whole = random.random() < 0.5
+    whole, repeats = random.random() < 0.5, bool(number // len(VARYING) % 2)
+    if not repeats and number % ENDS == ENDS - 2:
+        normal, shear, tension = (np.append(each, 0.0) for each in (normal, shear, tension))
     return IrregularDraw(
         number=number,
         profile=str(random.choice(PROFILES)),
@@ -103,9 +108,9 @@ def draw_irregular(number: int, seed: int) -> IrregularDraw:
         young=10 ** random.uniform(4.0, 6.0),
         friction=float(random.uniform(0.2, 1.1)),
         varying=varying,
-        repeats=bool(number // len(VARYING) % 2),
+        repeats=repeats,
         points=tuple(map(tuple, np.column_stack([normal, shear, tension]).tolist())),
-        steps=tuple(int(each) for each in random.integers(1, 3 if whole else 9, count)),
+        steps=tuple(int(each) for each in random.integers(1, 3 if whole else 9, len(normal))),
         per_half_width=float(10 ** random.uniform(0.65, 1.8)),
         degree=int(random.choice([1, 2], p=[0.4, 0.6])),
         growth=float(random.uniform(0.2, 0.45)),

@@ -93,7 +93,7 @@ def test_zones_of_missions_from_and_to_zero(
     assert np.std(ranges[:, 0]) < 0.02 * np.mean(ranges[:, 0])
 
 
-def test_stations_whose_k_n_is_unknown_take_no_other_with_them() -> None:
+def test_stations_whose_k_n_is_unknown_have_no_part_in_plane_problems() -> None:
     """Seven elements over the radius: where P is least few fits know K_N."""
     corners = [(2000, 0), *[(2900, 500), (1600, -300), (2000, 0)] * 2]
     data = case(np.array(corners, dtype=float), 1)
@@ -109,3 +109,8 @@ def test_stations_whose_k_n_is_unknown_take_no_other_with_them() -> None:
     zones = [each.longest_zone for each in stations]
     local = [zone is not None and np.isfinite(zone.reported_local) for zone in zones]
     assert local == known
+    # The loop that closes at P = 1600 slips back to where the front was at 1450, not to the older
+    # front behind that, which is four times as far.
+    closing = [each.slip_zones[-1].local for each in stations if known[each.number]]
+    sphere = radius(1600.0) - radius(1450.0)
+    assert np.median(closing) == pytest.approx(sphere * (50 / RADIUS) ** (1 / 3), rel=0.12)

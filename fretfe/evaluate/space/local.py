@@ -24,7 +24,7 @@ from fretfe.evaluate.contacts import (
     no_local_problem,
 )
 from fretfe.evaluate.cycles import same_cycles
-from fretfe.evaluate.edge_memory import EdgeMemory
+from fretfe.evaluate.edge_memory import INNER, LEFT_BEHIND, EdgeMemory
 from fretfe.evaluate.edge_zone import rise_length
 from fretfe.evaluate.factors import whole_factor
 from fretfe.evaluate.loaded import loaded, normal_force
@@ -592,6 +592,9 @@ class _Edge:
         if not slips.any():
             return replace(zone, local=0.0, local_spread=float(profile.s[1]))
         border = slip_border(profile.s, profile.slip, slips)
+        driven = slip_border(profile.s, profile.slip, profile.slip > INNER * profile.slip.max())
+        # A loop that closes touches an older front: what slips behind the jump drives nothing.
+        border = driven if driven.length < LEFT_BEHIND * border.length else border
         if border.gross:
             return zone
         # Where slip, which has no noise, does not fall evenly its border is known to an element.
