@@ -416,6 +416,6 @@ def _worst_cycle(run: Result) -> str:
     ends = sorted(float(times[each[worst]]) for each in (edge.cycles.start, edge.cycles.end))
     start, end = (number(each, 6) for each in ends)
     return (
-        " Loads are irregular: slip zones are the longest of each edge, the largest range of K_T "
-        f"is that at {contact.name_of(edge)} between t = {start} and {end} {run.case.units.time}."
+        " Loads are irregular: slip zones are the longest of each edge but for first loading, the "
+        f"largest K_T range is at {contact.name_of(edge)}, t = {start} to {end} {run.unit('time')}."
     )
