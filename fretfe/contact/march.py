@@ -518,9 +518,8 @@ def _sheared(
     friction, roots = loads.friction[nodes], interface.roots[nodes]
     for state in states:
         pressure, shear = state.traction[nodes, 0], state.traction[nodes, 1:]
-        bound = friction @ (roots * pressure)
-        least = LEAST_SHEAR[shear.shape[1]] * bound
-        if bound > 0 and roots @ np.linalg.norm(shear, axis=1) > least:
+        least = LEAST_SHEAR[shear.shape[1]] * (friction @ (roots * pressure))
+        if least > 0 and roots @ np.linalg.norm(shear, axis=1) > least:
             return True
     return False
 
