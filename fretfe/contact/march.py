@@ -121,6 +121,10 @@ class March:
         operator: solves its linear systems.
     """
 
+    # Friction does little where the shear is less than this part of what friction can take up: .03
+    # are what a sphere on a block has that is pressed on alone, as bodies are no half-spaces.
+    least_shear = 0.05
+
     def __init__(self, interface: Interface) -> None:
         self.interface = interface
         self.operator = FactoredOperator(interface)
@@ -327,10 +331,6 @@ TOLERATED = 1.4
 # Distance of the loads from the straight line between the ends of a part, over their ranges: more
 # than that of two loads with 20 steps a cycle. With 10 slip zones out of phase are 10 % too short.
 LARGEST_BEND = 0.009
-# Friction does little where the shear is less than this part of what friction can take up, by its
-# components: .03 are what a sphere on a block has that is pressed on alone, as bodies are no
-# half-spaces. In the plane tension alone makes .02 to .05, and zones of it a few percent long.
-LEAST_SHEAR = {1: 0.01, 2: 0.05}
 # Parts of one step.
 MOST_PARTS = 64
 # Parts grow and shrink by this factor at most from one to the next.
@@ -477,7 +477,7 @@ class Division:
         bound = loads.friction * before.traction[:, 0]
         normal = np.array([self._forces(before), self._forces(after), self._largest])
         for contact, (name, nodes) in enumerate(interface.contacts.items()):
-            if not _sheared(interface, (before, after), loads, nodes):
+            if not _sheared(self._march, (before, after), loads, nodes):
                 continue
             if turns(before, after, bound, nodes, normal[:, contact]):
                 largest = max(largest, FASTEST)
@@ -511,14 +511,12 @@ def parts_by_turning(steps: StepTable) -> Indices:
     return parts
 
 
-def _sheared(
-    interface: Interface, states: Sequence[ContactState], loads: StepLoads, nodes: slice
-) -> bool:
+def _sheared(march: March, states: Sequence[ContactState], loads: StepLoads, nodes: slice) -> bool:
     """True if friction does something in one of some states."""
-    friction, roots = loads.friction[nodes], interface.roots[nodes]
+    friction, roots = loads.friction[nodes], march.interface.roots[nodes]
     for state in states:
         pressure, shear = state.traction[nodes, 0], state.traction[nodes, 1:]
-        least = LEAST_SHEAR[shear.shape[1]] * (friction @ (roots * pressure))
+        least = march.least_shear * (friction @ (roots * pressure))
         if least > 0 and roots @ np.linalg.norm(shear, axis=1) > least:
             return True
     return False
