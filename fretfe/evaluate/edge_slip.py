@@ -102,8 +102,7 @@ class Places:
         along = outward - self.outward[number]
         inside = self.gained[number] + along * (rate[number] + along * bend[number] / 2)
         told = np.where(way < 0, self.gained[0] + left * (share**self.power - 1), inside)
-        faint = hold <= NOTHING * np.nanmax(hold, initial=0.0)
-        return np.where(faint, self.gained[0] + hold - left, told)
+        return np.where(_placed(hold), told, self.gained[0] + hold - left)
 
 
 @dataclass(frozen=True)
@@ -251,6 +250,14 @@ class HalfCycle:
         return cls(start, end, end, 0, math.nan, 0.0, (start, end))
 
 
+def _placed(hold: Array) -> Bools:
+    """(T,) states whose hold is more than next to nothing: elements tell the place of the edge.
+
+    With less they do not tell how large a flat still is.
+    """
+    return np.asarray(hold > NOTHING * np.nanmax(hold, initial=0.0))
+
+
 def places_of(
     station: StationHistory, last: int, half_width: float, exact: bool, stiffening: float
 ) -> Places:
@@ -267,9 +274,7 @@ def places_of(
     outward, hold, unit = -station.inward * station.position[every], station.hold, station.unit
     hold, unit = hold[every], unit[every]
     rate = station.k_n[every] / (2 * unit)
-    # With next to no hold elements do not tell where the edge of a flat is.
-    pressed = hold > NOTHING * np.nanmax(hold, initial=0.0)
-    states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & pressed)
+    states = np.flatnonzero(np.isfinite(outward) & (rate > 0) & _placed(hold))
     states = states[np.argsort(outward[states], kind="stable")]
     middle = -station.inward * station.position[station.last] - half_width
     if not len(states):
@@ -283,7 +288,8 @@ def places_of(
     if rate.max() > WIDE * rate.min():
         growth = float((rate[-1] - rate[0]) / (outward[-1] - outward[0]) / rate[0])
     if exact:
-        growth, gained = math.nan, hold if (np.diff(hold) > 0).all() else gained
+        growth = math.nan
+        gained = hold if (np.diff(hold) > 0).all() else gained
     if not reach > 0:  # a parabola, or a straight line
         growth = float(np.nan_to_num(growth))
         reach = 1 / growth if growth else 1.0

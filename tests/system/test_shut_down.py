@@ -8,26 +8,25 @@ large a flat still is, and what sums under several drivers miss is all that fric
 from __future__ import annotations
 
 from collections.abc import Sequence
-from itertools import pairwise
 from typing import Any
 
 import numpy as np
 import pytest
+from cases.pad_cases import BASE, SLIDING, STEEL, TOP, pad
 
 import fretfe
 from fretfe.analytic.profiles import FlatRounded
 from fretfe.case import parse_case
 from fretfe.results.model import Result
 
-FLAT, RADIUS, YOUNG, POISSON = 0.3, 50.0, 210e3, 0.3
-E_STAR = YOUNG / (2 * (1 - POISSON**2))
+FLAT, RADIUS = 0.3, 50.0
+E_STAR = STEEL["young"] / (2 * (1 - STEEL["poisson"] ** 2))
 WIDE = {f"{body}_{side}": 60.0 for body in ("upper", "lower") for side in ("width", "height")}
 FORMS: dict[str, dict[str, Any]] = {
     "cylinder": {"upper_radius": RADIUS, "lower_radius": 0.0},
     "flat_rounded": {"flat_half_width": FLAT, "radius": RADIUS},
     "wedge": {"angle": 0.6},
 }
-PLATEN = {"type": "platen", "boundary": "upper_top", "control": "force"}
 
 
 def run(
@@ -37,41 +36,30 @@ def run(
     tension: Sequence[float],
     friction: float,
     steps: int,
-    cycle: dict[str, float],
+    **cycle: float,
 ) -> Result:
     """Half-planes under straight ramps from 0 through points at t = 1, 2 ..."""
 
     def history(values: Sequence[float], sign: float = 1.0) -> list[dict[str, Any]]:
-        along = np.arange(1, steps + 1) / steps
-        found = [one + along * (two - one) for one, two in pairwise([0.0, *values])]
-        times = np.arange(1, steps * len(values) + 1) / steps
-        return [{"times": times.tolist(), "values": (sign * np.concatenate(found)).tolist()}]
+        return [
+            {"ramp": sign * value, "until": float(until), "steps": steps}
+            for until, value in enumerate(values, start=1)
+        ]
 
     loads: dict[str, Any] = {
-        "press": PLATEN | {"direction": "y", "history": history(normal, -1.0)},
-        "shear": PLATEN | {"direction": "x", "history": history(shear)},
+        "press": {**TOP, "direction": "y", "history": history(normal, -1.0)},
+        "shear": {**TOP, "direction": "x", "history": history(shear)},
     }
-    supports = {"bottom": {"boundary": "lower_bottom", "fix": ["x", "y"]}}
     if any(tension):
-        supports = {
-            "bottom": {"boundary": "lower_bottom", "fix": ["y"]},
-            "left": {"boundary": "lower_left", "fix": ["x"]},
-        }
         pull = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
-        loads["bulk"] = pull | {"history": history(tension)}
-    data = {
-        "geometry": {"template": form, "parameters": FORMS[form] | WIDE},
-        "bodies": {body: {"young": YOUNG, "poisson": POISSON} for body in ("upper", "lower")},
-        "contacts": {
-            "pad": {
-                "surface1": "upper_contact",
-                "surface2": "lower_contact",
-                "friction": friction,
-            }
-        },
-        "supports": supports,
-        "loads": loads,
-    }
+        loads["bulk"] = {**pull, "history": history(tension)}
+    data = pad(
+        geometry={"template": form, "parameters": FORMS[form] | WIDE},
+        supports=SLIDING if any(tension) else BASE,
+        loads=loads,
+    )
+    del data["contacts"]["main"]["friction_from"]
+    data["contacts"]["main"]["friction"] = friction
     return fretfe.run(parse_case(data | ({"cycle": cycle} if cycle else {})), backend="halfplane")
 
 
@@ -80,7 +68,7 @@ def test_a_flat_has_the_zone_of_its_largest_load(steps: int) -> None:
     """Of first loading: |Q| = f (P - P of what sticks), and K_T by all outside of that."""
     friction, normal, shear = 0.5, 500.0, 100.0
     points = (normal, normal, normal, 0.0), (0.0, -20.0, shear, 0.0), (0.0, 0.0, 0.0, 0.0)
-    result = run("flat_rounded", *points, friction, steps, {})
+    result = run("flat_rounded", *points, friction, steps)
     form = FlatRounded(FLAT, RADIUS, E_STAR)
     width, sticks = form.half_width([normal, normal - shear / friction])
     unit = 1 / (np.pi * np.sqrt(2 * width))
@@ -96,7 +84,7 @@ def test_a_flat_has_the_zone_of_its_largest_load(steps: int) -> None:
 def test_round_off_of_loads_is_none(residue: float) -> None:
     normal, shear = 250.0, 60.0
     points = (400.0, normal, residue), (0.0, shear, 0.0), (0.0, 0.0, 0.0)
-    result = run("cylinder", *points, 0.4, 3, {})
+    result = run("cylinder", *points, 0.4, 3)
     assert result.contacts[0].smallest_normal_force == 0
     unit = 1 / (np.pi * np.sqrt(2 * np.sqrt(4 * normal * RADIUS / (np.pi * E_STAR))))
     for station in result.contacts[0].stations:
@@ -110,7 +98,7 @@ def test_several_drivers_leave_nothing_to_slide(steps: int) -> None:
     With 100 steps a ramp shear is f p over .1035 to .1054 at the right edge then, and .1028 slip.
     """
     points = (331.096, 398.071, 532.048, 0.0), (39.541, 16.507, 144.201, 0.0)
-    result = run("cylinder", *points, (40.428, 51.964, -56.282, 0.0), 0.8, steps, {})
+    result = run("cylinder", *points, (40.428, 51.964, -56.282, 0.0), 0.8, steps)
     station = result.contacts[0].stations[1]
     zone = station.longest_zone
     assert zone is not None
@@ -123,7 +111,7 @@ def test_hold_returns_in_cycles(steps: int) -> None:
     """P and tension, K_I by sums: what was missed a cycle made slip where nothing slips."""
     normal, tension = (396.18, 455.952, 565.337, 414.065), (34.708, 9.62, -18.303, 0.0)
     points = (414.065, *normal, *normal), (0.0,) * 9, (0.0, *tension, *tension)
-    result = run("wedge", *points, 0.89, steps, {"start": 5.0, "end": 9.0})
+    result = run("wedge", *points, 0.89, steps, start=5.0, end=9.0)
     for station in result.contacts[0].stations:
         # With 100 steps a ramp 6.438; .02 to .05 of f P act, and steps have to be divided for it.
         assert station.equivalent_range == pytest.approx(6.438, rel=0.004)
@@ -136,6 +124,6 @@ def test_steps_of_little_shear_are_divided_where_edges_move(steps: int) -> None:
     """Tension alone, 3 % of what friction bears: with one step a ramp the range was 2.06."""
     normal, tension = (298.035, 443.518, 468.391, 366.838), (-57.057, 36.654, 35.233, 0.0)
     points = (366.838, *normal, *normal), (0.0,) * 9, (0.0, *tension, *tension)
-    result = run("wedge", *points, 0.71, steps, {"start": 5.0, "end": 9.0})
+    result = run("wedge", *points, 0.71, steps, start=5.0, end=9.0)
     for station in result.contacts[0].stations:
         assert station.equivalent_range == pytest.approx(3.155, rel=0.005)
