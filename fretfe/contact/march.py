@@ -37,6 +37,7 @@ from fretfe.contact.state import (
     unit,
 )
 from fretfe.errors import ConvergenceError
+from fretfe.history.solution import ROUND_OFF
 from fretfe.surface.surface import edges_once
 
 # A step is halved at most this often before the run gives up.
@@ -120,10 +121,6 @@ class March:
         interface: the interface problem.
         operator: solves its linear systems.
     """
-
-    # Friction does little where the shear is less than this part of what friction can take up: .03
-    # are what a sphere on a block has that is pressed on alone, as bodies are no half-spaces.
-    least_shear = 0.05
 
     def __init__(self, interface: Interface) -> None:
         self.interface = interface
@@ -331,6 +328,9 @@ TOLERATED = 1.4
 # Distance of the loads from the straight line between the ends of a part, over their ranges: more
 # than that of two loads with 20 steps a cycle. With 10 slip zones out of phase are 10 % too short.
 LARGEST_BEND = 0.009
+# Under one load friction does little where the shear is less than this part of what it can take up:
+# .03 are what a sphere on a block has that is pressed on, as bodies are no half-spaces.
+LEAST_SHEAR = 0.05
 # Parts of one step.
 MOST_PARTS = 64
 # Parts grow and shrink by this factor at most from one to the next.
@@ -374,6 +374,7 @@ class Division:
         self._edges = {place.name: neighbouring_nodes(place) for place in places}
         self._turns = parts_by_turning(steps)
         self._places = places
+        self._least_shear = _least_shear(steps)
         # (contacts,) P so far in the step.
         self._largest: Array = np.zeros(len(places))
 
@@ -400,7 +401,7 @@ class Division:
         self._largest = self._forces(state)
         whole = self._march.advance(state, begin, end, guess=guess)
         fewest = self._turns[number] if end.friction.any() else 1
-        moved = self._moved(state, whole.state, end)
+        moved = self._moved(number, state, whole.state, end)
         if moved <= TOLERATED and fewest == 1:
             return [Part(1.0, whole)]
         parts = list[Part]()
@@ -435,7 +436,7 @@ class Division:
             share = _reached(done, min(max(size, least), largest))
             loads = self._loads(number, share, state)
             result = self._march.advance(state, begin, loads, guess=guess)
-            moved = self._moved(state, result.state, loads)
+            moved = self._moved(number, state, result.state, loads)
             size = (share - done) / float(np.clip(moved, 1 / FASTEST, FASTEST))
             if moved > TOLERATED and share - done > 1.01 * least:
                 guess = result.state
@@ -446,12 +447,9 @@ class Division:
 
     def _loads(self, number: int, share: float, before: ContactState) -> StepLoads:
         """Loads at a share of a step, with the friction that acts after a state."""
-        steps = self._steps
-        loads = (
-            steps[number]
-            if share == 1.0
-            else steps.divided(np.array([number]), np.array([share]))[0]
-        )
+        steps, loads = self._steps, self._steps[number]
+        if share < 1.0:
+            loads = steps.divided(np.array([number]), np.array([share]))[0]
         return steps.after(loads, self._pressure(before)) if steps.by_pressure else loads
 
     def _pressure(self, state: ContactState) -> Array:
@@ -467,17 +465,20 @@ class Division:
         pressed = interface.roots * state.traction[:, 0]
         return np.array([pressed[nodes].sum() for nodes in interface.contacts.values()])
 
-    def _moved(self, before: ContactState, after: ContactState, loads: StepLoads) -> float:
+    def _moved(
+        self, number: int, before: ContactState, after: ContactState, loads: StepLoads
+    ) -> float:
         """Movement of edges over `LARGEST_MOVE`, of the contact with friction where it is largest.
 
         Less than one if they move by no more than an element: more parts would tell nothing new.
         At least `FASTEST` where a contact turns to another way of sliding, or parts.
         """
-        interface, largest = self._march.interface, 0.0
+        interface, largest, least = self._march.interface, 0.0, float(self._least_shear[number])
         bound = loads.friction * before.traction[:, 0]
         normal = np.array([self._forces(before), self._forces(after), self._largest])
         for contact, (name, nodes) in enumerate(interface.contacts.items()):
-            if not _sheared(self._march, (before, after), loads, nodes):
+            own = loads.friction[nodes], interface.roots[nodes], least
+            if not any(_sheared(each.traction[nodes], *own) for each in (before, after)):
                 continue
             if turns(before, after, bound, nodes, normal[:, contact]):
                 largest = max(largest, FASTEST)
@@ -486,6 +487,16 @@ class Division:
             elements = _elements(self._edges[name], *closed)
             largest = max(largest, min(share / LARGEST_MOVE, elements))
         return largest
+
+
+def _least_shear(steps: StepTable) -> Array:
+    """(T,) part of what friction can take up below which shear does little in each step.
+
+    Another load that moves with P leaves its shear behind, however small that is.
+    """
+    loads = np.column_stack([steps.amplitudes, steps.values])
+    moves = np.abs(np.diff(loads, axis=0, prepend=loads[:1])) > ROUND_OFF * np.ptp(loads, axis=0)
+    return np.where(np.count_nonzero(moves, axis=1) > 1, ROUND_OFF, LEAST_SHEAR)
 
 
 def parts_by_turning(steps: StepTable) -> Indices:
@@ -511,15 +522,10 @@ def parts_by_turning(steps: StepTable) -> Indices:
     return parts
 
 
-def _sheared(march: March, states: Sequence[ContactState], loads: StepLoads, nodes: slice) -> bool:
-    """True if friction does something in one of some states."""
-    friction, roots = loads.friction[nodes], march.interface.roots[nodes]
-    for state in states:
-        pressure, shear = state.traction[nodes, 0], state.traction[nodes, 1:]
-        least = march.least_shear * (friction @ (roots * pressure))
-        if least > 0 and roots @ np.linalg.norm(shear, axis=1) > least:
-            return True
-    return False
+def _sheared(traction: Array, friction: Array, roots: Array, least: float) -> bool:
+    """True if the shear of tractions (n, 2 or 3) is a part of what friction can take up."""
+    bound = friction @ (roots * traction[:, 0])
+    return bool(roots @ lengths(traction[:, 1:]) > least * bound > 0)
 
 
 def _reached(done: float, size: float) -> float:

@@ -37,6 +37,8 @@ NOTHING = 0.02
 ROUND_OFF = 1e-8
 # The formulas hold for loads on a line: range across the direction of (K_T, K_S) over that along.
 LARGEST_TURNING = 0.1
+# Part of the largest P up to which a state whose contact has too few nodes is left out.
+SMALL_LOAD = 0.1
 # Distance from a free end over the slip zone by the factors from which these mean something: half
 # of a dovetail has the same ranges within their bars there with layers of .2, .1 and .05 mm.
 FAR_FROM_END = 3.0
@@ -162,10 +164,10 @@ class SlipZone:
     unknown: bool = field(default=False, kw_only=True)
 
     @classmethod
-    def untold(cls, start: int, end: int) -> SlipZone:
-        """A zone of which nothing is known, as where friction falls."""
-        lost = math.nan
-        return cls(start, end, lost, lost, math.inf, False, False, lost, lost, unknown=True)
+    def untold(cls, start: int, end: int, foretold: float = math.nan) -> SlipZone:
+        """A zone of which nothing is known, as where friction falls, or its prediction alone."""
+        lost, unknown = math.nan, math.isnan(foretold)
+        return cls(start, end, lost, lost, math.inf, False, False, lost, foretold, unknown=unknown)
 
     @property
     def reported_length(self) -> float:

@@ -75,7 +75,7 @@ def count_cycles(
         return no_cycles("there is no friction")
     first = max(int(np.argmax(friction > 0)) - 1, 0)
     states = cycle if len(cycle) else np.arange(max(first, int(np.argmax(known))), len(known))
-    unknown = states[~known[states]]
+    unknown = states[~(known & np.isfinite(station.k_t))[states]]
     if len(unknown):
         return no_cycles(f"K_T is unknown in {len(unknown)} of {len(states)} states")
     if len(states) < 2:

@@ -163,7 +163,12 @@ def _size_of_edge(
     # Where P alone drives an edge its own factor tells as much.
     _, units, counted = found[0] if found[0][0] > NOTHING * found[1][0] else found[1]
     sizes = np.median(np.abs(units[known]), axis=0)
-    _, values, sets = np.linalg.svd(counted * sizes, full_matrices=False)
+    steps = counted * sizes
+    # The places of the way that the loads go, by its length: the same however steps are divided.
+    length = np.linalg.norm(steps, axis=1)
+    way = np.cumsum(steps, axis=0) - steps / 2
+    way -= length @ way / (length.sum() or 1.0)
+    _, values, sets = np.linalg.svd(way * np.sqrt(length)[:, None], full_matrices=False)
     beside = float(values[1] / values[0]) if len(values) > 1 and values[0] > 0 else 0.0
     shares = np.divide(sets[0], sizes, where=sizes > 0, out=np.zeros_like(sizes))
     together, apart = np.abs(units @ shares), np.linalg.norm(units * shares, axis=1)

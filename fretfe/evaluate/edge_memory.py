@@ -314,7 +314,8 @@ class EdgeMemory:
 
     def still(self, first: int) -> HalfCycle:
         """One from a state on in which nothing slips, as far as there is a contact to tell that."""
-        hold = np.maximum(self.hold[first + 1 : self.last + 1], 0.0)
+        seen = np.isfinite(self.station.position)
+        hold = np.where(seen, np.maximum(self.hold, 0.0), 0.0)[first + 1 : self.last + 1]
         held = np.flatnonzero(hold >= LEFT_BEHIND * hold.max())
         return HalfCycle.still(first, first + 1 + int(held[-1]))
 

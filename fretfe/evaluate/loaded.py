@@ -14,6 +14,7 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array, Bools, Indices
+from fretfe.evaluate.contacts import SMALL_LOAD
 from fretfe.evaluate.factors import WANTED_NODES
 from fretfe.evaluate.numerics import EQUAL_LOADS, most_loaded
 from fretfe.evaluate.slip import SMALLEST_SLIP, slip_in_steps
@@ -22,8 +23,6 @@ from fretfe.history.state_array import blocks
 
 # First and last state of runs of states.
 Runs = list[tuple[int, int]]
-# Part of the largest P up to which a state whose contact has too few nodes is left out.
-SMALL_LOAD = 0.1
 # Part of the largest P up to which the last state of a history does not count as loaded.
 UNLOADED = 0.03
 # Part of the largest P up to which states too small for factors leave the others known.

@@ -40,7 +40,7 @@ class StationValues:
         k_n: K_N in the state that decides.
         k_t: range of K_T over the cycle; without one that of the worst counted cycle if loads are
             irregular, else its largest value.
-        slip: lengths of the last slip zones in time order; NaN where unknown.
+        slip: lengths of the longest slip zones, that first; NaN where unknown.
         rise: distance from the front in which the pressure rises to its largest value.
         friction: coefficient.
         number: of the station along its front.

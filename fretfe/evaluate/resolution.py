@@ -10,9 +10,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fretfe._typing import Array, Indices
-from fretfe.evaluate.contacts import Contact, Front, SlipZone, Station
+from fretfe.evaluate.contacts import SMALL_LOAD, Contact, Front, SlipZone, Station
 from fretfe.evaluate.edge_zone import WANTED_TO_PEAK, EdgeZone, rise_length
-from fretfe.evaluate.loaded import SMALL_LOAD, normal_force
+from fretfe.evaluate.loaded import normal_force
 from fretfe.evaluate.numerics import most_loaded
 from fretfe.evaluate.plane.section import main_patch, plane_front
 from fretfe.evaluate.refinement import SHORTEST_SLIP, Pass, StationValues
@@ -22,7 +22,8 @@ from fretfe.mesh.sizing import FinePlaces
 from fretfe.reason import Kind
 
 # Elements over a slip zone in the first mesh that resolves a front; over the rise of the pressure
-# it has twice as many as K_N wants. Each further level halves the elements.
+# it has twice as many as K_N wants. Each further level halves the elements. Zones shorter than such
+# an element of the longest one get none of their own.
 PER_SLIP_ZONE = 8
 # Elements may be larger than asked for by this factor: a mesh follows sizes only roughly.
 MISSED = 1.3
@@ -30,7 +31,7 @@ MISSED = 1.3
 BLIND = 4
 # Elements over the half-width of the contact below which K_N that is not known will never be.
 SMALLEST_ELEMENT = 1e-4
-# Slip lengths that are reported and must converge: those of the last loading and unloading.
+# Slip lengths that must converge: of a cycle those of loading and unloading.
 ZONES = 2
 # Error bar of |ΔK| at single stations of solids, times the elements over the half-width of the
 # contact, or over the radius of its front: .37 on spheres with 8 and with 12 of them.
@@ -54,18 +55,19 @@ class Interval:
 
 def station_values(solution: Solution, contacts: Sequence[Contact]) -> tuple[StationValues, ...]:
     """Values that must converge, of every contact that carries something when it ends."""
-    return tuple(
-        _values(solution, history, contact, station)
-        for history, contact, station in _stations(solution, contacts)
-    )
+    return tuple(_values(solution, *each) for each in _stations(solution, contacts))
 
 
 def _values(
     solution: Solution, history: ContactHistory, contact: Contact, station: Station
 ) -> StationValues:
     k_n, k_n_spread = station.decisive_k_n
-    zones = _last_zones(station)
+    zones = _longest_zones(station)
     k_t_spread = station.driven_range[1] if solution.cycle is not None else math.nan
+    # K_T is no measure where all slides, nor told where nothing slips and there is no cycle.
+    gross = [zone.gross for zone in station.slip_zones[-ZONES:]]
+    still = solution.cycle is None and station.still
+    untold = (len(gross) > 0 and all(gross)) or station.lack.by_loads or still
     return StationValues(
         contact=contact.name,
         front=station.front,
@@ -74,21 +76,20 @@ def _values(
         slip=tuple(zone.length for zone in zones),
         rise=_rise(history, contact, station),
         friction=station.friction,
-        k_t_scale=math.inf if _slides(station) or station.lack.by_loads else 0.0,
+        k_t_scale=math.inf if untold else 0.0,
         spreads=(k_n_spread, k_t_spread, *(zone.spread for zone in zones)),
     )
 
 
 def _k_t(solution: Solution, station: Station) -> float:
-    """Range of K_T over the cycle; without one that of the worst counted cycle, or a value.
+    """Range of K_T over the cycle; without one that of the largest half cycle, or a value.
 
     It is the largest: in the last state there may be next to no load.
     """
     if solution.cycle is not None:
         return station.k_range
-    cycles = station.cycles
-    if cycles.irregular:
-        return float(cycles.k_t_range[cycles.worst])
+    if math.isfinite(station.largest_range):
+        return station.largest_range
     known = station.k_along[np.isfinite(station.k_along)]
     return float(known[np.argmax(np.abs(known))]) if len(known) else math.nan
 
@@ -103,16 +104,11 @@ def _stations(
                     yield history, contact, station
 
 
-def _slides(station: Station) -> bool:
-    """True if the contact slid as a whole at last: K_T is no measure of what happens then."""
-    last = station.slip_zones[-ZONES:]
-    return bool(last) and all(zone.gross for zone in last)
-
-
-def _last_zones(station: Station) -> tuple[SlipZone, ...]:
-    """The last slip zones; unknown ones, and those of a contact that slides, have no length."""
-    last = station.slip_zones[-ZONES:]
-    return tuple(zone for zone in last if not (zone.gross or zone.unknown))
+def _longest_zones(station: Station) -> tuple[SlipZone, ...]:
+    """The longest slip zones, that first, but for those that need no elements of their own."""
+    zones = [zone for zone in station.evaluated_zones if not (zone.gross or zone.unknown)]
+    zones = sorted(zones[::-1], key=_length, reverse=True)[:ZONES]
+    return tuple(each for each in zones if PER_SLIP_ZONE * _length(each) > _length(zones[0]))
 
 
 def _rise(history: ContactHistory, contact: Contact, station: Station) -> float:
@@ -134,22 +130,19 @@ def needed_sizes(
 ) -> tuple[Interval, ...]:
     """Element sizes that are needed and where; each level halves them."""
     intervals: list[Interval] = []
-    for values, (history, contact, station) in zip(
-        station_values(solution, contacts), _stations(solution, contacts), strict=True
-    ):
-        intervals += _station_intervals(solution, history, contact, station, values, 2.0**-level)
+    for each in _stations(solution, contacts):
+        intervals += _station_intervals(solution, *each, 2.0**-level)
     return tuple(intervals)
 
 
 def edges_of_section(solution: Solution, contacts: Sequence[Contact]) -> Iterator[Interval]:
     """Edges of plane contacts in the cycle, with elements that tell K_N along fronts of solids."""
-    for values, (history, contact, station) in zip(
-        station_values(solution, contacts), _stations(solution, contacts), strict=True
-    ):
+    for history, contact, station in _stations(solution, contacts):
         states = _carrying(solution, contact, station)
         low, high = _front_range(history, station, states)
         # Along the fronts of solids edges are a little elsewhere.
-        size = EdgeZone(values.rise, values.rise, 3).size
+        rise = _rise(history, contact, station)
+        size = EdgeZone(rise, rise, 3).size
         yield Interval(contact.name, low - size, high + size, size)
 
 
@@ -256,7 +249,6 @@ def _station_intervals(
     history: ContactHistory,
     contact: Contact,
     station: Station,
-    values: StationValues,
     refinement: float,
 ) -> list[Interval]:
     """Range of a station in the cycle and its slip zones; finer where numbers are taken.
@@ -264,17 +256,20 @@ def _station_intervals(
     Those places are the station in the state that decides, and at the ends of half cycles, and the
     inner ends of slip zones; only there do the elements shrink with the level.
     """
-    states = _carrying(solution, contact, station)
+    states, rise = _carrying(solution, contact, station), _rise(history, contact, station)
     low, high = _front_range(history, station, states)
-    size = values.rise / WANTED_TO_PEAK
+    size = rise / WANTED_TO_PEAK
     if not np.isfinite(station.decisive_k_n[0]) or station.uncertain:
         size = min(size, _largest_element(history.surface.arc, low, high) / BLIND)
     places, intervals = [(float(station.position[station.decisive]), size)], []
-    for zone in _last_zones(station):
-        length = _length(zone)
-        if length > SHORTEST_SLIP * values.rise:
-            position, zone_size = float(station.position[zone.end]), length / PER_SLIP_ZONE
-            ends = (position, position + station.inward * length)
+    for zone in _longest_zones(station):
+        at, length = _front_range(history, station, np.array([zone.end])), _length(zone)
+        if np.isnan(station.position[zone.end]):  # nor is the size of the edge known, and its hold
+            finer = _largest_element(history.surface.arc, *at) / BLIND
+            intervals.append(Interval(contact.name, *at, finer))
+        if length > SHORTEST_SLIP * rise:
+            zone_size = length / PER_SLIP_ZONE
+            ends = at[0] + min(station.inward, 0) * length, at[1] + max(station.inward, 0) * length
             intervals.append(Interval(contact.name, min(ends), max(ends), zone_size))
             size = min(size, zone_size)
             places += [(end, min(size, zone_size)) for end in ends]
@@ -282,11 +277,9 @@ def _station_intervals(
     if not np.isfinite(station.position[states]).all():
         intervals.append(_crossed(history, contact, station))
     intervals += [
-        Interval(contact.name, place, place, refinement * min(size, own))
-        for place, own in places
-        if math.isfinite(place)
+        Interval(contact.name, place, place, refinement * min(size, own)) for place, own in places
     ]
-    return intervals
+    return [each for each in intervals if math.isfinite(each.low) and math.isfinite(each.high)]
 
 
 def _crossed(history: ContactHistory, contact: Contact, station: Station) -> Interval:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fretfe._typing import Array, Indices
 from fretfe.analytic.edges import slip_length_cyclic, slip_length_first_loading, slip_length_loop
-from fretfe.evaluate.contacts import NOTHING, SlipZone, StationHistory
+from fretfe.evaluate.contacts import NOTHING, SMALL_LOAD, SlipZone, StationHistory
 from fretfe.evaluate.edge_memory import EdgeMemory
 from fretfe.evaluate.edge_slip import BEHIND, HalfCycle
 from fretfe.history.solution import OPEN, SLIP, ContactHistory
@@ -156,7 +156,10 @@ def zones_of(
     zones = []
     for half in halves:
         start, end = half.start, half.end
-        if not (np.isfinite(station.position[end]) and (unlike or memory.hold[end] > 0)):
+        lost = np.isnan(station.position[end])
+        if lost and not unlike and memory.hold[end] >= SMALL_LOAD * memory.hold.max():
+            zones.append(SlipZone.untold(start, end, half.length))
+        if lost or not (unlike or memory.hold[end] > 0):
             continue  # no contact to tell one of
         acting = friction[max(start, 1) : half.turn + 1]
         # What slips as the coefficient falls shows in no factor.

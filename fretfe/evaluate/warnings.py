@@ -376,7 +376,9 @@ def _patches(contact: ContactHistory) -> Iterator[Finding]:
         apart = np.count_nonzero(borders, axis=1) > 2
         # What lies apart as the bodies are about to part matters nothing.
         apart &= force[states] > SMALL_LOAD * force.max()
-        shares += [_main_share(contact.surface.arc, state) for state in pressure[apart]]
+        for state in np.maximum(pressure[apart], 0.0):
+            forces = [patch.force for patch in contact_patches(contact.surface.arc, state)]
+            shares.append(max(forces) / sum(forces) if forces else 1.0)
     several = [share for share in shares if share < 1 - SMALLEST_PATCH]
     if several:
         yield (
@@ -384,12 +386,6 @@ def _patches(contact: ContactHistory) -> Iterator[Finding]:
             f"in {len(several)} of {len(contact.traction) - 1} states up to {1 - min(several):.1%} "
             "of P is on single nodes apart from the patch, too few for edges of their own",
         )
-
-
-def _main_share(arc: Array, pressure: Array) -> float:
-    patches = contact_patches(arc, np.maximum(pressure, 0.0))
-    forces = [patch.force for patch in patches]
-    return max(forces) / sum(forces) if forces else 1.0
 
 
 def _ever_closed(contact: ContactHistory) -> tuple[Bools, float]:

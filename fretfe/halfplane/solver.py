@@ -54,9 +54,6 @@ class PartingMarch(March):
     No load then finds a resistance, and wherever bodies part they are in equilibrium.
     """
 
-    # Pressed on alone similar ones have none; tension alone makes .02 to .05, and slip zones by it.
-    least_shear = 0.01
-
     def advance(
         self, state: ContactState, start: StepLoads, end: StepLoads, *rest: Any, **named: Any
     ) -> StepResult:

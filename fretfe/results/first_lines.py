@@ -118,8 +118,8 @@ def _largest_slip(run: Result, station: Station) -> str:
     if not math.isfinite(station.largest_slip) or any(each.unknown for each in zones):
         return ""
     told, unit = f"predicted {number(station.largest_slip, 3)}", run.unit("length")
-    found = [each for each in zones if each.resolved or math.isfinite(each.reported_local)]
-    return f", d {with_error(*found[0].told)} {unit} ({told})" if found else f", d {told} {unit}"
+    found = [each.told for each in zones if each.resolved or math.isfinite(each.reported_local)]
+    return f", d {with_error(*max(found))} {unit} ({told})" if found else f", d {told} {unit}"
 
 
 def _nothing(run: Result) -> str:

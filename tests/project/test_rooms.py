@@ -82,7 +82,7 @@ NUMBERS = {
     "bodies": 39,
     "case": 21,
     "cli": 4,
-    "contact": 56,
+    "contact": 57,
     "decision": 8,
     "evaluate": 264,
     "exchange": 31,
