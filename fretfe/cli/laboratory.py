@@ -361,13 +361,13 @@ def _strength_texts(found: StrengthMap, shown: Sequence[Margin]) -> list[str]:
             f"log10 N = {c0:.4g} {c1:+.3g} log10 ΔK_T {c2:+.3g} log10 K_N, scatter "
             f"{fit.scatter:.2g}, from {fit.failures} failures and {fit.runouts} run-outs"
         )
+    texts += [*_outside_texts(found.tests), *(f"Note: {text}" for text in found.tests.notes)]
     count = int(found.tests.inside.sum())
-    texts += _outside_texts(found.tests)
-    texts += [f"Note: {text}" for text in found.tests.notes]
     said: dict[str, list[str]] = {}
     for each in shown:
         if each.reason:
-            said.setdefault(f"unknown, because {each.reason}", []).append(each.edge.name)
+            counted = "" if each.survival is None else f"; {survival_text(each.survival)}"
+            said.setdefault(f"unknown, because {each.reason}{counted}", []).append(each.edge.name)
         if each.tests and each.tests < count:
             text = f"{each.tests} of {count} tests have its friction and material"
             said.setdefault(text, []).append(each.edge.name)

@@ -55,15 +55,10 @@ OF_EDGE = (
     "k_t_range_spread", "friction",
 )  # fmt: skip
 JUDGED = (
-    "strength",
-    "strength_spread",
-    "margin",
-    "low",
-    "high",
-    "fit_share",
-    "scatter_share",
+    "strength", "strength_spread", "margin", "low", "high", "fit_share", "scatter_share",
     "edge_share",
-)
+)  # fmt: skip
+OF_FIT = ("scatter", "failures", "runouts", "quantile")
 STRENGTH = "strength.json"
 PICTURE = "strength.png"
 
@@ -257,14 +252,8 @@ def write_map(found: StrengthMap, folder: Path) -> tuple[Path, ...]:
 
 
 def _fit(fit: LifeFit) -> dict[str, Any]:
-    return {
-        "coefficients": fit.coefficients.tolist(),
-        "covariance": fit.covariance.tolist(),
-        "scatter": fit.scatter,
-        "failures": fit.failures,
-        "runouts": fit.runouts,
-        "quantile": fit.quantile,
-    }
+    plane = {"coefficients": fit.coefficients.tolist(), "covariance": fit.covariance.tolist()}
+    return {**plane, **{name: getattr(fit, name) for name in OF_FIT}}
 
 
 def _edge(margin: Margin, fits: tuple[LifeFit, ...]) -> dict[str, Any]:

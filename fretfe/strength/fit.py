@@ -40,6 +40,8 @@ class Survival:
         part: of one part more, by scatter and error of the fit; NaN where unknown.
         low, high: ends of an interval that holds the share of all such parts with 95 %.
         reason: why it is unknown; empty if it is known.
+        tests, lasted: of parts that no fit describes, how many tests were no milder, and how many
+            of them lasted so long: `low` is by these alone.
     """
 
     life: float
@@ -47,6 +49,8 @@ class Survival:
     low: float = np.nan
     high: float = np.nan
     reason: str = ""
+    tests: int = 0
+    lasted: int = 0
 
 
 @dataclass(frozen=True)

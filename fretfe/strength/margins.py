@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from scipy.stats import beta
 
 from fretfe._typing import Array, Bools
 from fretfe.case import AnyBody, isotropic
@@ -19,14 +20,14 @@ from fretfe.reason import Kind
 from fretfe.report.texts import number, rounded
 from fretfe.results.end_answers import beside_end
 from fretfe.results.model import Result
-from fretfe.strength.fit import SAME, LifeFit, Survival, fit_life, is_one
+from fretfe.strength.fit import COVERAGE, SAME, LifeFit, Survival, fit_life, is_one
 from fretfe.strength.lives import StrengthTests, read_tests
 
 # f ΔK_I over ΔK_T above which the normal load varies, and turning above which (K_T, K_S) does.
 SMALL = 0.05
 # Tests agree with a contact if friction and Young's modulus do to these fractions, and Poisson's
-# ratio to this difference. Friction of a test is hardly known better.
-FRICTION = 0.1
+# ratio to this difference. Friction of a test is hardly known better, nor K_N of a component.
+ALIKE = 0.1
 YOUNG = 0.05
 POISSON = 0.02
 
@@ -89,10 +90,7 @@ def component_edges(results: Sequence[Result]) -> tuple[ComponentEdge, ...]:
 def result_labels(results: Sequence[Result]) -> list[str]:
     """Names of folders, or paths where names are the same."""
     folders = [each.directory for each in results]
-    names = [
-        folder.name if folder else each.case.title
-        for folder, each in zip(folders, results, strict=True)
-    ]
+    names = [each.directory.name if each.directory else each.case.title for each in results]
     return [
         str(folder) if folder and names.count(name) > 1 else name
         for folder, name in zip(folders, names, strict=True)
@@ -127,7 +125,6 @@ def _edge(
 ) -> ComponentEdge:
     if not contact.steady:
         remarks.append("the cycle is not steady")
-    pair = contact.pair
     friction = edge.friction
     k_n, k_t_range = edge.reported_k_n, edge.reported_range
     if edge.oscillation:
@@ -142,7 +139,7 @@ def _edge(
         result=label, contact=contact.name, edge=edge.front, station=edge.number,
         k_n=k_n, k_n_spread=edge.decisive_k_n[1],
         k_t_range=k_t_range, k_t_range_spread=float(edge.told_range[1]),
-        friction=friction, bodies=_bodies(result, pair),
+        friction=friction, bodies=_bodies(result, contact.pair),
         obstacles=tuple(_obstacles(result, edge)), remarks=tuple(remarks),
     )  # fmt: skip
 
@@ -272,7 +269,8 @@ def _margin(
         reasons += _beyond(tests, chosen, fit, edge.k_n, life)
     if reasons or not isinstance(fit, LifeFit):
         known = fit if isinstance(fit, LifeFit) else None
-        return Margin(edge, count, known, "; ".join(reasons))
+        least = None if edge.obstacles else _counted(tests, chosen, edge, life)
+        return Margin(edge, count, known, "; ".join(reasons), survival=least)
     judged = _judged(edge, count, fit, life)
     bar = judged.edge_share * abs(fit.coefficients[1])
     return replace(judged, survival=_survival(tests, chosen, fit, edge, life, bar))
@@ -281,9 +279,7 @@ def _margin(
 def _agreeing(tests: StrengthTests, edge: ComponentEdge) -> Bools:
     """(n,) tests with the friction and the material of an edge."""
     agree = (
-        np.abs(tests.friction / edge.friction - 1) <= FRICTION
-        if edge.friction
-        else tests.friction < 0
+        np.abs(tests.friction / edge.friction - 1) <= ALIKE if edge.friction else tests.friction < 0
     )
     for body in filter(None, map(isotropic, edge.bodies)):
         agree &= np.abs(tests.young / body.young - 1) <= YOUNG
@@ -355,15 +351,33 @@ def _is_outside(tests: Array, place: Array) -> bool:
 def _survival(
     tests: StrengthTests, chosen: Bools, fit: LifeFit, edge: ComponentEdge, life: float, bar: float
 ) -> Survival:
-    """Probability that an edge reaches a life, if the tests cover it; bar of log10 of its life."""
-    ranges = tests.k_t_range[chosen]
-    if not ranges.min() <= edge.k_t_range <= ranges.max():
-        side = "above" if edge.k_t_range > ranges.max() else "below"
-        return Survival(life, reason=f"its ΔK_T is {side} all tested ones")
-    place = np.log10([edge.k_t_range, edge.k_n])
-    if fit.coefficients[2] and _is_outside(np.log10([ranges, tests.k_n[chosen]]), place):
-        return Survival(life, reason="its K_N and ΔK_T lie outside of the cloud of tests")
-    return fit.survival(edge.k_n, edge.k_t_range, life, bar)
+    """Probability that an edge reaches a life; bar of log10 of its life."""
+    ranges, place = tests.k_t_range[chosen], np.log10([edge.k_t_range, edge.k_n])
+    beyond = not ranges.min() <= edge.k_t_range <= ranges.max()
+    if fit.coefficients[2] and not beyond:
+        beyond = _is_outside(np.log10([ranges, tests.k_n[chosen]]), place)
+    if not beyond:
+        return fit.survival(edge.k_n, edge.k_t_range, life, bar)
+    outside = Survival(life, reason="its K_N and ΔK_T lie outside of the cloud of tests")
+    return _counted(tests, chosen, edge, life) or outside
+
+
+def _counted(tests: StrengthTests, own: Bools, edge: ComponentEdge, life: float) -> Survival | None:
+    """The least share by tests that were no milder; None if none of them lasted so long.
+
+    They are at its K_N and at its ΔK_T, with its bar, or at a larger one: with K_N the tension at
+    the edge grows, but so does the pressure that closes cracks. What ended before the life without
+    failure tells nothing of it. The share is the lower end of Clopper and Pearson (Biometrika 26,
+    1934), one-sided: .05^(1/n) where all n lasted, with 95 % at least.
+    """
+    harder = own & (np.abs(tests.k_n / edge.k_n - 1) <= ALIKE)
+    harder &= tests.k_t_range >= edge.k_t_range + edge.k_t_range_spread
+    longer = tests.life >= life
+    lasted, failed = (int((harder & each).sum()) for each in (longer, ~longer & ~tests.runout))
+    if not lasted:
+        return None
+    low = float(beta.ppf(1 - COVERAGE, lasted, failed + 1))
+    return Survival(life, low=low, high=1.0, tests=lasted + failed, lasted=lasted)
 
 
 def survival_text(found: Survival) -> str:
@@ -372,6 +386,9 @@ def survival_text(found: Survival) -> str:
     if found.reason:
         return f"the probability to survive {life} cycles is unknown: {found.reason}"
     part, low, high = map(_share, (found.part, found.low, found.high))
+    if found.tests:
+        tests = f"{found.lasted} of {found.tests} tests at such K_N and ΔK_T, or a larger one, did"
+        return f"at least {low} of parts survive {life} cycles (95 % sure): {tests}"
     return f"{part} of parts survive {life} cycles (95 % sure: {low} to {high})"
 
 

@@ -31,6 +31,7 @@ from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.reason import Kind
 from fretfe.strength.fit import LifeFit, fit_life
 from fretfe.strength.lives import read_tests
+from fretfe.strength.margins import survival_text
 
 HEADER = "k_n [MPa/mm^0.5],dk_t [MPa*mm^0.5],life,runout,friction,young [MPa],poisson"
 # log10 N = 11.8 - 4 log10 ΔK_T - 0.3 log10 (K_N/1000), and its scatter.
@@ -167,7 +168,7 @@ def test_the_interval_holds_the_share_of_specimens_that_survive() -> None:
 
 
 def test_survival_of_a_pad(tests: Path, tmp_path: Path) -> None:
-    """Even odds where the margin is one; unknown beyond the tested ΔK_T."""
+    """Even odds where the margin is one; the least share beyond the tested ΔK_T, or unknown."""
     margin = fretfe.strength_map(tests, [solved("halfplane")], LIFE).margins[0]
     edge, fit, survival = margin.edge, margin.fit, margin.survival
     assert fit is not None and survival is not None
@@ -181,7 +182,60 @@ def test_survival_of_a_pad(tests: Path, tmp_path: Path) -> None:
     path = write_tests(tmp_path / "high.csv", *(each[high] for each in (k_n, ranges, life, runout)))
     beyond = fretfe.strength_map(path, [solved("halfplane")], 1.5e5).margins[0]
     assert beyond.survival is not None and math.isnan(beyond.survival.part)
-    assert beyond.margin > 1 and beyond.survival.reason == "its ΔK_T is below all tested ones"
+    assert beyond.margin > 1 and 0 < beyond.survival.low < 0.5
+
+
+@pytest.mark.parametrize(("lasted", "failed", "short"), [(29, 0, 0), (1, 0, 3), (18, 2, 0)])
+def test_survivors_alone_tell_the_least_share(
+    lasted: int, failed: int, short: int, tmp_path: Path
+) -> None:
+    """Tests at 1.2 ΔK_T of the edge; beside them a milder failure, and milder run-outs."""
+    edge = (
+        fretfe.strength_map(
+            write_tests(tmp_path / "any.csv", *made_up()), [solved("halfplane")], LIFE
+        )
+        .margins[0]
+        .edge
+    )
+    count = lasted + failed + short
+    lives = np.array([LIFE] * lasted + [LIFE / 2] * (failed + short) + [LIFE / 3, 2 * LIFE])
+    ended = np.array([True] * lasted + [False] * failed + [True] * short + [False, True])
+    ranges = edge.k_t_range * np.array([1.2] * count + [0.9, 0.9])
+    path = write_tests(tmp_path / "few.csv", np.full(count + 2, edge.k_n), ranges, lives, ended)
+    margin = fretfe.strength_map(path, [solved("halfplane")], LIFE).margins[0]
+    found = margin.survival
+    assert margin.reason and found is not None
+    assert (found.lasted, found.tests) == (lasted, lasted + failed)
+    # The share with which so few failures or fewer have a probability of 5 %.
+    assert stats.binom.cdf(failed, lasted + failed, 1 - found.low) == pytest.approx(0.05)
+    if not failed:
+        assert found.low == pytest.approx(0.05 ** (1 / lasted))
+    words = survival_text(found)
+    assert words.startswith("at least ") and f"{lasted} of {lasted + failed} tests" in words
+
+
+def test_tests_at_another_k_n_or_a_smaller_range_bound_nothing(tmp_path: Path) -> None:
+    edge = (
+        fretfe.strength_map(
+            write_tests(tmp_path / "any.csv", *made_up()), [solved("halfplane")], LIFE
+        )
+        .margins[0]
+        .edge
+    )
+    for k_n, k_t in ((0.8, 1.2), (1.2, 1.2), (1.0, 0.9)):
+        rows = (np.full(9, k_n * edge.k_n), np.full(9, k_t * edge.k_t_range), np.full(9, LIFE))
+        path = write_tests(tmp_path / "milder.csv", *rows, np.full(9, True))
+        margin = fretfe.strength_map(path, [solved("halfplane")], LIFE).margins[0]
+        assert margin.survival is None
+
+
+def test_the_least_share_holds_as_often_as_it_says() -> None:
+    """Of draws in which each test lasts with the known share, at most 5 % are told more."""
+    random = np.random.default_rng(3)
+    for share, count in ((0.9, 20), (0.97, 40), (0.5, 10)):
+        lasted = random.binomial(count, share, 20_000)
+        low = stats.beta.ppf(0.05, np.maximum(lasted, 1), count - lasted + 1)
+        assert np.mean(np.where(lasted > 0, low, 0.0) > share) <= 0.055
 
 
 def test_one_k_n_needs_one_coefficient_less() -> None:
