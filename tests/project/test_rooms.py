@@ -120,7 +120,6 @@ COMMON_NAMES = {
     "FEWEST_NODES",
     "FINEST",
     "FLAT",
-    "FRICTION",
     "GROWTH",
     "ITERATIONS",
     "KINDS",
