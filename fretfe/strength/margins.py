@@ -27,7 +27,7 @@ from fretfe.strength.lives import StrengthTests, read_tests
 SMALL = 0.05
 # Tests agree with a contact if friction and Young's modulus do to these fractions, and Poisson's
 # ratio to this difference. Friction of a test is hardly known better, nor K_N of a component.
-AGREES_TO = 0.1
+CLOSE = 0.1
 YOUNG = 0.05
 POISSON = 0.02
 
@@ -279,7 +279,7 @@ def _margin(
 def _agreeing(tests: StrengthTests, edge: ComponentEdge) -> Bools:
     """(n,) tests with the friction and the material of an edge."""
     agree = (
-        np.abs(tests.friction / edge.friction - 1) <= AGREES_TO if edge.friction else tests.friction < 0
+        np.abs(tests.friction / edge.friction - 1) <= CLOSE if edge.friction else tests.friction < 0
     )
     for body in filter(None, map(isotropic, edge.bodies)):
         agree &= np.abs(tests.young / body.young - 1) <= YOUNG
@@ -370,7 +370,7 @@ def _counted(tests: StrengthTests, own: Bools, edge: ComponentEdge, life: float)
     failure tells nothing of it. The share is the lower end of Clopper and Pearson (Biometrika 26,
     1934), one-sided: .05^(1/n) where all n lasted, with 95 % at least.
     """
-    harder = own & (np.abs(tests.k_n / edge.k_n - 1) <= AGREES_TO)
+    harder = own & (np.abs(tests.k_n / edge.k_n - 1) <= CLOSE)
     harder &= tests.k_t_range >= edge.k_t_range + edge.k_t_range_spread
     longer = tests.life >= life
     lasted, failed = (int((harder & each).sum()) for each in (longer, ~longer & ~tests.runout))
