@@ -262,7 +262,8 @@ def _station_intervals(
     if not np.isfinite(station.decisive_k_n[0]) or station.uncertain:
         size = min(size, _largest_element(history.surface.arc, low, high) / BLIND)
     places, intervals = [(float(station.position[station.decisive]), size)], []
-    for zone in _longest_zones(station):
+    # Others begin within the step in which the bodies part.
+    for zone in (x for x in _longest_zones(station) if contact.normal_force[x.end] > 0):
         at, length = _front_range(history, station, np.array([zone.end])), _length(zone)
         if np.isnan(station.position[zone.end]):  # nor is the size of the edge known, and its hold
             finer = _largest_element(history.surface.arc, *at) / BLIND

@@ -40,8 +40,8 @@ class Survival:
         part: of one part more, by scatter and error of the fit; NaN where unknown.
         low, high: ends of an interval that holds the share of all such parts with 95 %.
         reason: why it is unknown; empty if it is known.
-        tests, lasted: of parts that no fit describes, how many tests were no milder, and how many
-            of them lasted so long: `low` is by these alone.
+        tests, lasted: of parts that no fit describes, how many tests count, and how many of them
+            lasted so long: `low` is by these alone.
     """
 
     life: float

@@ -363,17 +363,17 @@ def _survival(
 
 
 def _counted(tests: StrengthTests, own: Bools, edge: ComponentEdge, life: float) -> Survival | None:
-    """The least share by tests that were no milder; None if none of them lasted so long.
+    """The least share by tests at its K_N; None if none of them lasted so long and was no milder.
 
-    They are at its K_N and at its ΔK_T, with its bar, or at a larger one: with K_N the tension at
-    the edge grows, but so does the pressure that closes cracks. What ended before the life without
-    failure tells nothing of it. The share is the lower end of Clopper and Pearson (Biometrika 26,
-    1934), one-sided: .05^(1/n) where all n lasted, with 95 % at least.
+    Those that lasted count at its ΔK_T, with its bar, or a larger one, those that failed at any.
+    With K_N the tension at the edge grows, but so does the pressure that closes cracks. What ended
+    before the life without failure tells nothing of it. The share is the lower end of Clopper and
+    Pearson (Biometrika 26, 1934), one-sided: .05^(1/n) where all n lasted, with 95 % at least.
     """
-    harder = own & (np.abs(tests.k_n / edge.k_n - 1) <= CLOSE)
-    harder &= tests.k_t_range >= edge.k_t_range + edge.k_t_range_spread
-    longer = tests.life >= life
-    lasted, failed = (int((harder & each).sum()) for each in (longer, ~longer & ~tests.runout))
+    own = own & (np.abs(tests.k_n / edge.k_n - 1) <= CLOSE)
+    harder = tests.k_t_range >= edge.k_t_range + edge.k_t_range_spread
+    failed = int(np.count_nonzero(own & (tests.life < life) & ~tests.runout))
+    lasted = int(np.count_nonzero(own & (tests.life >= life) & harder))
     if not lasted:
         return None
     low = float(beta.ppf(1 - COVERAGE, lasted, failed + 1))
@@ -387,7 +387,8 @@ def survival_text(found: Survival) -> str:
         return f"the probability to survive {life} cycles is unknown: {found.reason}"
     part, low, high = map(_share, (found.part, found.low, found.high))
     if found.tests:
-        tests = f"{found.lasted} of {found.tests} tests at such K_N and ΔK_T, or a larger one, did"
+        failed = found.tests - found.lasted
+        tests = f"{found.lasted} tests at such K_N and ΔK_T, or a larger one, did, {failed} failed"
         return f"at least {low} of parts survive {life} cycles (95 % sure): {tests}"
     return f"{part} of parts survive {life} cycles (95 % sure: {low} to {high})"
 
