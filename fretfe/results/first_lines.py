@@ -314,7 +314,7 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     if exceeded:
         kinds = dict.fromkeys(each.caution.kind.heading for each in exceeded)
         yield f"outside the limits of the model ({', '.join(kinds)})"
-    if any(each.kind is Kind.FAULT for each in run.warnings):
+    if run.faults or any(each.kind is Kind.FAULT for each in run.warnings):
         yield "an error of fretfe left numbers unknown"
 
 
