@@ -6,7 +6,7 @@ from __future__ import annotations
 import copy
 import itertools
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -77,6 +77,14 @@ def as_field(
 def wave(amplitude: float, phase: float = 0.0, cycles: int = 2, steps: int = 20) -> dict[str, Any]:
     shape = {"wave": "sine", "amplitude": amplitude, "phase": phase, "period": 1.0}
     return {**shape, "cycles": cycles, "steps_per_cycle": steps}
+
+
+def ramps(values: Sequence[float], steps: int, sign: float = 1.0) -> list[dict[str, Any]]:
+    """Straight ramps from 0 through values at t = 1, 2 ..., times a sign."""
+    return [
+        {"ramp": sign * value, "until": float(until), "steps": steps}
+        for until, value in enumerate(values, start=1)
+    ]
 
 
 def press(force: float = 600.0, steps: int = 4) -> dict[str, Any]:

@@ -33,7 +33,7 @@ ROOM_LINES = {
     "exchange": 2114,
     "fem": 4129,
     "fields": 1126,
-    "halfplane": 163,
+    "halfplane": 162,
     "history": 402,
     "idealise": 539,
     "loads": 884,

@@ -31,7 +31,7 @@ from fretfe.evaluate.space.fronts import follow_fronts
 from fretfe.reason import Kind
 from fretfe.strength.fit import LifeFit, fit_life
 from fretfe.strength.lives import read_tests
-from fretfe.strength.margins import survival_text
+from fretfe.strength.margins import _counted, component_edges, survival_text
 
 HEADER = "k_n [MPa/mm^0.5],dk_t [MPa*mm^0.5],life,runout,friction,young [MPa],poisson"
 # log10 N = 11.8 - 4 log10 ΔK_T - 0.3 log10 (K_N/1000), and its scatter.
@@ -193,13 +193,7 @@ def test_survivors_alone_tell_the_least_share(
     lasted: int, failed: int, short: int, milder: bool, tmp_path: Path
 ) -> None:
     """Tests at 1.2 ΔK_T of the edge; beside them a milder one, which counts only if it failed."""
-    edge = (
-        fretfe.strength_map(
-            write_tests(tmp_path / "any.csv", *made_up()), [solved("halfplane")], LIFE
-        )
-        .margins[0]
-        .edge
-    )
+    edge = component_edges([solved("halfplane")])[0]
     count = lasted + failed + short
     lives = np.array(
         [LIFE] * lasted + [LIFE / 2] * (failed + short) + [LIFE / 3 if milder else END]
@@ -222,13 +216,7 @@ def test_survivors_alone_tell_the_least_share(
 
 
 def test_tests_at_another_k_n_or_a_smaller_range_bound_nothing(tmp_path: Path) -> None:
-    edge = (
-        fretfe.strength_map(
-            write_tests(tmp_path / "any.csv", *made_up()), [solved("halfplane")], LIFE
-        )
-        .margins[0]
-        .edge
-    )
+    edge = component_edges([solved("halfplane")])[0]
     for k_n, k_t in ((0.8, 1.2), (1.2, 1.2), (1.0, 0.9)):
         rows = (np.full(9, k_n * edge.k_n), np.full(9, k_t * edge.k_t_range), np.full(9, LIFE))
         path = write_tests(tmp_path / "milder.csv", *rows, np.full(9, True))
@@ -236,13 +224,24 @@ def test_tests_at_another_k_n_or_a_smaller_range_bound_nothing(tmp_path: Path) -
         assert margin.survival is None
 
 
-def test_the_least_share_holds_as_often_as_it_says() -> None:
-    """Of draws in which each test lasts with the known share, at most 5 % are told more."""
-    random = np.random.default_rng(3)
-    for share, count in ((0.9, 20), (0.97, 40), (0.5, 10)):
-        lasted = random.binomial(count, share, 20_000)
-        low = stats.beta.ppf(0.05, np.maximum(lasted, 1), count - lasted + 1)
-        assert np.mean(np.where(lasted > 0, low, 0.0) > share) <= 0.055
+@pytest.mark.parametrize(("share", "count"), [(0.9, 20), (0.97, 40), (0.5, 10)])
+def test_the_least_share_holds_as_often_as_it_says(share: float, count: int, tests: Path) -> None:
+    """Of all outcomes of tests that last with a share, those told more have at most 5 %."""
+    edge, read = component_edges([solved("halfplane")])[0], read_tests(tests, Units())
+    told = np.zeros(count + 1)
+    for lasted in range(1, count + 1):
+        life = np.array([LIFE] * lasted + [LIFE / 2] * (count - lasted))
+        own = replace(
+            read,
+            k_n=np.full(count, edge.k_n),
+            k_t_range=np.full(count, 1.1 * edge.k_t_range),
+            life=life,
+            runout=life >= LIFE,
+        )
+        found = _counted(own, np.full(count, True), edge, LIFE)
+        assert found is not None
+        told[lasted] = found.low
+    assert stats.binom.pmf(np.flatnonzero(told > share), count, share).sum() <= 0.05
 
 
 def test_one_k_n_needs_one_coefficient_less() -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from cases.pad_cases import SLIDING, TOP, cylinder, pad
+from cases.pad_cases import SLIDING, TOP, cylinder, pad, ramps
 
 import fretfe
 from fretfe.case import parse_case
@@ -22,12 +22,6 @@ RANGE = {25.0: 5.094, 100.0: 20.38}
 
 
 def data(tensions: list[float], steps: int, pressures: list[float] = PRESSURES) -> dict[str, Any]:
-    def history(values: list[float], sign: float) -> list[dict[str, Any]]:
-        return [
-            {"ramp": sign * value, "until": float(until), "steps": steps}
-            for until, value in enumerate(values, start=1)
-        ]
-
     hold = [{"hold": True, "until": float(len(pressures))}]
     pull = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
     size = dict.fromkeys(("upper_width", "upper_height"), 16.0)
@@ -38,9 +32,9 @@ def data(tensions: list[float], steps: int, pressures: list[float] = PRESSURES) 
         contacts={"main": {**pad()["contacts"]["main"], "friction": 0.5, "friction_from": 0.0}},
         supports=SLIDING,
         loads={
-            "press": {**TOP, "direction": "y", "history": history(pressures, -1.0)},
+            "press": {**TOP, "direction": "y", "history": ramps(pressures, steps, -1.0)},
             "shear": {**TOP, "direction": "x", "history": hold},
-            "bulk": {**pull, "history": history(tensions, 1.0)},
+            "bulk": {**pull, "history": ramps(tensions, steps)},
         },
     )
 
@@ -97,10 +91,7 @@ def test_elements_do_not_chase_zones_beside_a_longer_one(
 def test_a_zone_may_begin_as_bodies_part() -> None:
     """From and to zero with one step a ramp: no edge is left as the last half cycle ends."""
     tables = data([0.0, 40.0, 10.0, 40.0, 0.0], 1, [200.0, 800.0, 200.0, 800.0, 0.0])
-    turns = enumerate([0.0, 120.0, -20.0, 120.0, 0.0], start=1)
-    tables["loads"]["shear"]["history"] = [
-        {"ramp": shear, "until": float(until), "steps": 1} for until, shear in turns
-    ]
+    tables["loads"]["shear"]["history"] = ramps([0.0, 120.0, -20.0, 120.0, 0.0], 1)
     result = fretfe.run(parse_case({**tables, "edges": {"tolerance": 0.05}}))
     assert not result.faults
     assert result.refinement is not None

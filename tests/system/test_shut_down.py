@@ -12,7 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.pad_cases import BASE, SLIDING, STEEL, TOP, pad
+from cases.pad_cases import BASE, SLIDING, STEEL, TOP, pad, ramps
 
 import fretfe
 from fretfe.analytic.profiles import FlatRounded
@@ -40,19 +40,13 @@ def run(
 ) -> Result:
     """Half-planes under straight ramps from 0 through points at t = 1, 2 ..."""
 
-    def history(values: Sequence[float], sign: float = 1.0) -> list[dict[str, Any]]:
-        return [
-            {"ramp": sign * value, "until": float(until), "steps": steps}
-            for until, value in enumerate(values, start=1)
-        ]
-
     loads: dict[str, Any] = {
-        "press": {**TOP, "direction": "y", "history": history(normal, -1.0)},
-        "shear": {**TOP, "direction": "x", "history": history(shear)},
+        "press": {**TOP, "direction": "y", "history": ramps(normal, steps, -1.0)},
+        "shear": {**TOP, "direction": "x", "history": ramps(shear, steps)},
     }
     if any(tension):
         pull = {"type": "traction", "boundary": "lower_right", "direction": "normal"}
-        loads["bulk"] = {**pull, "history": history(tension)}
+        loads["bulk"] = {**pull, "history": ramps(tension, steps)}
     data = pad(
         geometry={"template": form, "parameters": FORMS[form] | WIDE},
         supports=SLIDING if any(tension) else BASE,
