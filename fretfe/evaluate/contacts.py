@@ -164,10 +164,11 @@ class SlipZone:
     unknown: bool = field(default=False, kw_only=True)
 
     @classmethod
-    def untold(cls, start: int, end: int, foretold: float = math.nan) -> SlipZone:
+    def untold(cls, start: int, end: int, foretold: float | None = None) -> SlipZone:
         """A zone of which nothing is known, as where friction falls, or its prediction alone."""
-        lost, unknown = math.nan, math.isnan(foretold)
-        return cls(start, end, lost, lost, math.inf, False, False, lost, foretold, unknown=unknown)
+        lost, unknown = math.nan, foretold is None
+        loop = lost if foretold is None else foretold
+        return cls(start, end, lost, lost, math.inf, False, False, lost, loop, unknown=unknown)
 
     @property
     def reported_length(self) -> float:
@@ -198,11 +199,16 @@ class SlipZone:
 
     @property
     def rank(self) -> float:
-        """The length, as well as it is known, by which the longer of two zones is found."""
+        """The length within steps, as well as it is known, by which the longer zone is found."""
         if self.gross or self.unknown:
             return math.inf
-        guesses = (self.told[0], self.local, self.length, self.prediction)
-        return next((float(each) for each in guesses if math.isfinite(each)), 0.0)
+        guesses = (self.told[0], self.local, self.length, self.prediction, math.inf)
+        return next(float(each) + self.missed for each in guesses if not math.isnan(each))
+
+    @property
+    def within_step(self) -> bool:
+        """True if the steps leave its length open, not the mesh."""
+        return self.resolved and 2 * self.missed > self.spread
 
     @property
     def uncertain(self) -> bool:
@@ -452,9 +458,7 @@ class Station(StationHistory):
     length: Annotated[
         float, Quantity("length", "over which K_N makes the pressure; NaN in the plane")
     ] = math.nan
-    end: Annotated[bool, Quantity("", "whether the station is too near an end for a verdict")] = (
-        False
-    )
+    end: Annotated[bool, Quantity("", "whether it is too near an end for a verdict")] = False
     lack: Reason = TOLD
     k_n_moved: Annotated[float, Quantity("k_n", "K_N by the movement of the front")]
     k_n_moved_spread: Annotated[float, Quantity("k_n", "its error bar")]
@@ -469,9 +473,7 @@ class Station(StationHistory):
         float, Quantity("k_t", "range of (K_T, K_S) along the direction in which it varies most")
     ]
     k_angle: Annotated[float, Quantity("angle", "that direction, from inward towards along")] = 0.0
-    turning: Annotated[float, Quantity("", "range across that direction over the one along it")] = (
-        0.0
-    )
+    turning: Annotated[float, Quantity("", "range across that direction over that along it")] = 0.0
     k_range_spread: Annotated[float, Quantity("k_t", "its error bar")]
     k_range_parts: RangeSpread
     k_t_range_fitted: Annotated[
@@ -500,9 +502,7 @@ class Station(StationHistory):
     equivalent_misheld: Annotated[
         float, Quantity("k_t", "part of its bar by drivers out of phase and by where edges move")
     ] = 0.0
-    equivalent_end: Annotated[
-        int, Quantity("", "state in which its zone is longest; 0 without")
-    ] = 0
+    equivalent_end: Annotated[int, Quantity("", "state in which its zone is longest, or 0")] = 0
     largest_start: Annotated[int, Quantity("", "first state of the largest half cycle of all")] = 0
     largest_end: Annotated[int, Quantity("", "state in which its zone is longest; 0 without")] = 0
     largest_range: Annotated[float, Quantity("k_t", "its f K_N d by the memory")] = math.nan

@@ -220,9 +220,8 @@ def unsteady_text(
     if not before:
         return f"{found}; add a cycle{where}: the changes over two say about how many it takes"
     # The slower fall of the last two: the first one, out of the unloaded state, is the fastest.
-    factor = max(
-        late / early if early > 0 else math.inf for late, early in itertools.pairwise(changes)
-    )
+    pairs = itertools.pairwise(changes)
+    factor = max(late / early if early > 0 else math.inf for late, early in pairs)
     if factor > FALLING:
         return (
             f"{found}, and by {before[0]:.2g} over the one before: the change does not fall, and "

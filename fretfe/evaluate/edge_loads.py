@@ -43,7 +43,7 @@ class EdgeLoads:
 
 
 def edge_loads(
-    units: Array, drivers: Array, friction: Bools, touching: Bools, direction: Array, state: int
+    units: Array, drivers: Array, friction: Bools, force: Array, direction: Array, state: int
 ) -> EdgeLoads:
     """Loads of an edge between similar bodies, each increment as if it had one size.
 
@@ -56,7 +56,7 @@ def edge_loads(
         units: (T, d, J) of the edge for a unit of each driver; NaN where unknown.
         drivers: (T, J) values of the drivers.
         friction: (T,) whether there is any in the step that ends at each state.
-        touching: (T,) states in which there is contact.
+        force: (T,) P, 0 where there is no contact.
         direction: (2,) of the shear.
         state: of the size, or the last one before in which factors are known.
     """
@@ -66,15 +66,33 @@ def edge_loads(
     known = np.flatnonzero(np.isfinite(unit))
     if len(known):
         unit = unit / unit[known[max(int(np.searchsorted(known, state, "right")) - 1, 0)]]
-    ratios = np.stack([normal, along], axis=1) / unit[:, None, None]
-    # Contacts too small to tell are as they are next, or were, as half-planes are at any size.
-    told = np.isfinite(ratios).all(axis=(1, 2))
-    following = np.minimum(next_known(told | ~touching), len(told) - 1)
-    before = np.maximum.accumulate(np.where(told | ~touching, np.arange(len(told)), 0))
-    ratios = ratios[np.where(told[following], following, before)]
+    ratios, touching = np.stack([normal, along], axis=1) / unit[:, None, None], force > 0
+    told = touching & np.isfinite(ratios).all(axis=(1, 2))
+    powers = _powers(ratios[told] * np.ptp(drivers, axis=0), force[told])
+    # Contacts too small to tell go on from what they are next, or were.
+    source = np.minimum(next_known(told), int(np.append(np.flatnonzero(told), 0).max()))
+    share = np.divide(force, force[source], out=np.ones_like(force), where=touching & told[source])
+    ratios = ratios[source] * share[:, None, None] ** powers
     increments = mean_of_ends(ratios[:, None], steps)[:, 0]
+    for step in np.flatnonzero(np.diff(touching)):
+        end = ratios[step + int(touching[step + 1])]
+        increments[step] = (end / (1 + powers)) @ steps[step]
     increments[~friction[1:], 1] = 0.0
     return EdgeLoads(*_held(increments, touching), unit, apart)
+
+
+def _powers(terms: Array, force: Array) -> Array:
+    """(2, J) powers of P with which terms (n, 2, J) of loads go: -1/2 of a cylinder beside tension.
+
+    Those of small terms are 0. A wedge has -1 there, whose hold has no end: as `VANISHING` has it.
+    """
+    size, terms = np.log(force / np.max(force, initial=0.0)), np.abs(terms)
+    if not size.min(initial=0.0) < -VANISHING:
+        return np.zeros(terms.shape[1:])
+    large = terms.min(axis=0) > CANCELS * np.median(terms, axis=0).max(axis=1, keepdims=True)
+    each = np.log(np.where(large, terms, 1.0))
+    found = np.tensordot(size - size.mean(), each, 1) / (len(size) * size.var())
+    return np.asarray(found.clip(VANISHING - 1, 1.0))
 
 
 def returned(
@@ -156,12 +174,10 @@ def _size_of_edge(
     known = np.isfinite(shear).all(axis=1)
     if not known.any():
         return np.full(len(shear), np.nan), 0.0
-    found = []
-    for units, counted in ((shear, steps * friction[:, None]), (normal, steps)):
-        terms = counted * np.median(np.abs(units[known]), axis=0)
-        found.append((float(np.abs(terms).sum()), units, counted))
-    # Where P alone drives an edge its own factor tells as much.
-    _, units, counted = found[0] if found[0][0] > NOTHING * found[1][0] else found[1]
+    rubbed = steps * friction[:, None]
+    driven, pressed = (np.nansum(np.abs(u[1:] * c)) for u, c in ((shear, rubbed), (normal, steps)))
+    # Where P alone drives an edge its own factor tells as much: finite bodies shear by .13 % of it.
+    units, counted = (shear, rubbed) if driven > NOTHING / 10 * pressed else (normal, steps)
     sizes = np.median(np.abs(units[known]), axis=0)
     steps = counted * sizes
     # The places of the way that the loads go, by its length: the same however steps are divided.

@@ -165,6 +165,8 @@ class StepEnds:
         for zone in station.slip_zones:
             before = int(self._step[station.first]) if 0 <= station.first < zone.end else 0
             end = max(int(self._step[zone.end]), before + 1)
+            # What ends as bodies part is told where the edge was last.
+            end -= int(end - 1 > before and station.hold[self._ends[end]] <= 0)
             start = min(int(self._step[zone.start]), end - 1)
             found.append(replace(zone, start=start, end=end))
         return tuple(found)

@@ -112,8 +112,7 @@ def _judge(station: Station, zone: SlipZone) -> Judgement:
             Verdict.NO_VERDICT,
             "the expected error of the formula is not known: the edge does not move",
         )
-    of_k_n = station.k_n_spread[zone.end] / station.k_n[zone.end]
-    bars = math.hypot(of_k_n, station.range_error)
+    bars = math.hypot(station.k_n_spread[zone.end] / station.k_n[zone.end], station.range_error)
     of_length = math.hypot(BORDER_FRACTION, vague) * zone.length
     within = math.hypot(bars * zone.prediction, zone.spread, of_length)
     unlike = COUPLED * station.coupling
@@ -149,8 +148,8 @@ def _judge_still(station: Station, zone: SlipZone) -> Judgement:
     local, unseen = math.isfinite(zone.reported_local), zone.told[1]
     if local and (nodes := beside_nodes(station, zone)).verdict == Verdict.DIFFERS:
         return nodes
-    k_n, k_n_bar = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
-    most = (zone.prediction + _range_bar(station, zone)) * (1 + k_n_bar / k_n)
+    of_k_n = float(station.k_n_spread[zone.end] / station.k_n[zone.end])
+    most = (zone.prediction + _range_bar(station, zone)) * (1 + of_k_n)
     if not math.isfinite(most):
         return Judgement(
             Verdict.UNKNOWN, f"nothing slips; {withheld(station).text or 'nothing is predicted'}"
@@ -219,8 +218,7 @@ def beside_nodes(station: Station, zone: SlipZone) -> Judgement:
 def beside_formula(station: Station, zone: SlipZone) -> Judgement:
     """Compare the length by the plane problem with (11) or (8)."""
     found = _by_plane_problem(zone)
-    without = _no_formula(station, zone)
-    if without:
+    if without := _no_formula(station, zone):
         seen = "which the slip of the nodes confirms" if zone.resolved else "by that alone"
         return Judgement(
             Verdict.AGREES if zone.resolved else Verdict.NO_VERDICT, f"{without}; {found}, {seen}"
@@ -251,12 +249,12 @@ def _no_formula(station: Station, zone: SlipZone) -> str:
 def _unresolved(station: Station, zone: SlipZone) -> str:
     """Reason why the mesh does not resolve a slip zone, in words."""
     size = station.size
+    if zone.within_step:
+        longer = f"is up to {rounded(zone.missed, 2)} longer within a step: make shorter steps"
+        return f"its inner end is known {_known(zone.spread)}, since it {longer}"
     if zone.hides:
-        longest = (
-            f"shorter than {rounded(zone.spread, 2)}"
-            if math.isfinite(zone.spread)
-            else "of any length"
-        )
+        known = math.isfinite(zone.spread)
+        longest = f"shorter than {rounded(zone.spread, 2)}" if known else "of any length"
         return f"no node slips, but a zone {longest} may lie between the nodes"
     if station.turning > LARGEST_TURNING and zone.length > 0:
         return (
@@ -269,7 +267,7 @@ def _unresolved(station: Station, zone: SlipZone) -> str:
             f"{zone.length / size:.0f} elements: slip does not fall evenly towards it, or nodes "
             "slip behind it"
         )
-    covered = f": {zone.length / size:.1f} of {rounded(size, 2)}" if size > 0 else ""
+    covered = f": {zone.length / size:.1f} of {rounded(size, 2)}" if size > 0 <= zone.length else ""
     return f"too few elements over the slip zone{covered}, {FEWEST_ELEMENTS} are wanted"
 
 
@@ -304,7 +302,10 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
     if math.isnan(zone.prediction) and not local:
         lost = withheld(station).text
         if not lost and math.isfinite(station.k_n[zone.end]):
-            return Judgement(Verdict.NO_VERDICT, _no_formula(station, zone))
+            sure = station.coupling > 0 or station.turning > LARGEST_TURNING
+            if sure or station.at_rest(zone.start, zone.end):
+                return Judgement(Verdict.NO_VERDICT, _no_formula(station, zone))
+            lost = "several loads move with P, and nothing tells d but the nodes: it goes by steps"
         return Judgement(Verdict.UNKNOWN, lost or "K_N is not known at the end of the half cycle")
     # The formulas take K_N of the state in which the half cycle ends.
     k_n, spread = float(station.k_n[zone.end]), float(station.k_n_spread[zone.end])
@@ -314,10 +315,9 @@ def _excuse(station: Station, zone: SlipZone) -> Judgement | None:
         return Judgement(
             Verdict.UNKNOWN, f"K_N at the end of the half cycle, {rounded(k_n)}, has {bar}"
         )
-    # Without a cycle there is no range, but a prediction of first loading.
-    ranges = math.isfinite(station.k_range)
     still = _still(zone)
-    if ranges and not still and math.isnan(station.reported_range):
+    # Without a cycle there is no range, but a prediction of first loading.
+    if math.isfinite(station.k_range) and not still and math.isnan(station.reported_range):
         return Judgement(Verdict.UNKNOWN, withheld(station).text)
     if local and not still and zone.local_spread > LOOSE * zone.local:
         return Judgement(

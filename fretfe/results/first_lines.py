@@ -118,7 +118,8 @@ def _largest_slip(run: Result, station: Station) -> str:
     if not math.isfinite(station.largest_slip) or any(each.unknown for each in zones):
         return ""
     told, unit = f"predicted {number(station.largest_slip, 3)}", run.unit("length")
-    found = [each.told for each in zones if each.resolved or math.isfinite(each.reported_local)]
+    zones = [each for each in zones if each.resolved or math.isfinite(each.reported_local)]
+    found = [each.told for each in zones if math.isfinite(each.told[0])]
     return f", d {with_error(*max(found))} {unit} ({told})" if found else f", d {told} {unit}"
 
 
@@ -178,10 +179,8 @@ def _of_another(run: Result, station: Station) -> str:
     zone, end, times = station.longest_zone, station.equivalent_end, run.loads.times
     if not (station.moves and end and zone) or zone.start < end <= zone.end + 1:
         return ""
-    unit = run.case.units.time
-    return (
-        f" (in the half cycle to t = {times[end]:.6g}, d in that to {times[zone.end]:.6g} {unit})"
-    )
+    until = f"{times[zone.end]:.6g} {run.case.units.time}"
+    return f" (in the half cycle to t = {times[end]:.6g}, d in that to {until})"
 
 
 def _lighter(run: Result, contact: Contact, station: Station) -> str:
@@ -305,7 +304,8 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     # What nodes do not show the plane problem next to the station does.
     shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)
     if judgement.verdict is Verdict.NOT_RESOLVED or not shown:
-        yield "the mesh does not resolve the slip zone"
+        left = "steps do" if zone is not None and zone.within_step else "mesh does"
+        yield f"the {left} not resolve the slip zone"
     elif judgement.verdict is Verdict.DIFFERS and station.coupling == 0:
         yield "the slip zone found is not the one predicted"
     elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not withheld(station):

@@ -24,12 +24,31 @@ def test_contacts_too_small_to_tell_hold_as_those_beside_them_do(unknown: list[i
     units[:, 0, 0] = units[:, 1, 1] = unit
     units[FORCE == 0] = np.nan
     units[unknown] = np.nan
-    drivers, touching = np.stack([FORCE, SHEAR], axis=1), FORCE > 0
+    drivers = np.stack([FORCE, SHEAR], axis=1)
     rough = np.ones(6, dtype=bool)
-    found = edge_loads(units, drivers, rough, touching, np.array([1.0, 0.0]), 3)
+    found = edge_loads(units, drivers, rough, FORCE, np.array([1.0, 0.0]), 3)
     at = unit[3]
     np.testing.assert_allclose(found.hold, at * FORCE, rtol=1e-12)
     np.testing.assert_allclose(found.shear[:5], at * SHEAR[:5], atol=1e-12)
+
+
+@pytest.mark.parametrize("few", [[], [1]])
+def test_hold_counts_from_where_bodies_touch(few: list[int]) -> None:
+    """A cylinder beside tension: what P holds goes with its half-width, by integral of dP/a."""
+    force, tension = np.array([0.0, 0.2, 1.0, 0.9, 0.8, 0.9, 0.0]), np.zeros(7)
+    tension[3:6] = 0.1, -0.1, 0.1
+    half_width = np.sqrt(np.where(force > 0, force, np.nan))
+    units = np.zeros((7, 2, 2))
+    units[:, 0, 0], units[:, 1, 1] = 1 / np.sqrt(half_width), np.sqrt(half_width)
+    units[force == 0] = np.nan
+    units[few] = np.nan
+    drivers = np.stack([force, tension], axis=1)
+    found = edge_loads(units, drivers, np.ones(7, dtype=bool), force, np.array([1.0, 0.0]), 2)
+    # By the mean of both ends from the first state on; twice what the first one tells before.
+    first = 2 * half_width[1]
+    second = first + (1 - force[1]) * (1 / half_width[1] + 1) / 2
+    np.testing.assert_allclose(found.hold[1:3], [first, second], rtol=1e-12)
+    assert found.hold[6] == 0 and abs(found.hold[4] - found.hold[2]) < 0.2 * found.hold[2]
 
 
 def test_k_n_goes_with_the_hold_where_fits_hardly_know_it() -> None:

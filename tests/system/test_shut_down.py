@@ -7,6 +7,7 @@ large a flat still is, and what sums under several drivers miss is all that fric
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -121,3 +122,48 @@ def test_steps_of_little_shear_are_divided_where_edges_move(steps: int) -> None:
     result = run("wedge", *points, 0.71, steps, start=5.0, end=9.0)
     for station in result.contacts[0].stations:
         assert station.equivalent_range == pytest.approx(3.155, rel=0.005)
+
+
+# Half-planes with 60 steps a ramp: 8.713 and 18.543.
+@pytest.mark.parametrize("steps", [1, 2, 15])
+@pytest.mark.parametrize(
+    ("normal", "tension", "friction", "expected"),
+    [
+        ((600.0, 600.0, 200.0, 600.0, 0.0), (0.0, 30.0, -30.0, 30.0, 0.0), 0.4, 8.713),
+        ((100.0, 600.0, 100.0, 0.0), (-52.0, 57.0, 50.0, 0.0), 0.8, 18.54),
+    ],
+)
+def test_tension_measures_an_edge_alike_in_any_steps(
+    normal: tuple[float, ...],
+    tension: tuple[float, ...],
+    friction: float,
+    expected: float,
+    steps: int,
+) -> None:
+    """What P holds beside tension goes with the half-width, from where bodies touch on."""
+    nothing = [0.0] * len(normal)
+    result = run("cylinder", normal, nothing, tension, friction, steps)
+    assert result.headline.trust == "trusted", result.headline.doubts
+    for station in result.contacts[0].stations:
+        assert station.equivalent_range == pytest.approx(expected, rel=3e-3)
+
+
+def test_a_zone_that_is_longest_within_a_step_is_not_told_by_a_shorter_one() -> None:
+    """With 8 steps a ramp .063; at the ends of one step .045 and .039."""
+    points = (400.0, 130.0, 400.0, 130.0, 400.0), (0.0, 20.0, -40.0, 0.0, 60.0)
+    result = run("flat_rounded", *points, (3.0, -3.0, 3.0, 3.0, 0.0), 0.4, 1)
+    worst = result.headline.worst
+    assert worst is not None and worst.zone is not None
+    assert worst.name == "main.right" and math.isnan(worst.zone.length)
+    assert result.headline.trust == "doubted"
+    assert "the steps do not resolve the slip zone" in result.headline.doubts
+
+
+@pytest.mark.parametrize("steps", [1, 2])
+def test_nodes_alone_tell_no_zone_where_loads_move_with_p(steps: int) -> None:
+    """Three drivers out of phase: .34, .24, .28 and .22 with 1, 2, 15 and 40 steps a ramp."""
+    normal = (600.0, 200.0, 300.0, 100.0, 400.0, 0.0)
+    shear = (42.6142, 54.1662, -18.4934, 8.63038, -11.2602, 0.0)
+    tension = (-33.1708, 65.3077, 29.1434, -2.55239, -16.9158, 0.0)
+    result = run("flat_rounded", normal, shear, tension, 0.3, steps)
+    assert result.headline.trust == "doubted"

@@ -427,7 +427,10 @@ def test_verdicts() -> None:
     assert judge(station, zone(length=0.2)).verdict == Verdict.OUTSIDE
     assert judge(replace(station, end=True), zone()).verdict == Verdict.END
     nothing = zone(predicted=np.nan, predicted_loop=np.nan)
-    assert judge(station, nothing).verdict == "no verdict"
+    rests = replace(station, hold=np.ones_like(station.k_n))
+    assert judge(rests, nothing).verdict == "no verdict"
+    moves = judge(replace(rests, hold=np.linspace(0.5, 1.0, len(rests.hold))), nothing)
+    assert moves.verdict == "unknown" and "several loads move with P" in moves.reason
     assert judge(replace(station, k_n=station.k_n * np.nan), nothing).verdict == "unknown"
     assert judge(replace(station, turning=0.5), zone()).verdict == "no verdict"
     assert judge(replace(station, k_range_spread=np.nan), zone()).verdict == "unknown"
