@@ -4,7 +4,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
@@ -37,8 +37,8 @@ class Layer(Table):
         default=None, description="Of a coating, thin against the contact; length."
     )
     young: Positive | None = Field(default=None, description="Young's modulus of the coating.")
-    poisson: float | None = Field(
-        default=None, ge=0, lt=0.5, description="Poisson's ratio of the coating."
+    poisson: Annotated[float, Field(strict=True, ge=0, lt=0.5)] | None = Field(
+        default=None, description="Poisson's ratio of the coating."
     )
 
     csv: Text | None = Field(

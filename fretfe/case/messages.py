@@ -25,6 +25,7 @@ LONGEST = 60
 EXPECTED = {
     "float_type": "a number",
     "int_type": "a whole number",
+    "bool_type": "true or false",
     "finite_number": "a finite number",
     "string_type": "text",
     "string_too_short": "text that is not empty",

@@ -7,7 +7,7 @@ import math
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import AfterValidator, Discriminator, Field, Tag, model_validator
+from pydantic import AfterValidator, Discriminator, Field, StrictBool, Tag, model_validator
 
 from fretfe.case.base import (
     TAG,
@@ -262,18 +262,16 @@ class Edges(Table):
         description="Number of displacements of the largest mesh that is solved; refinement ends "
         "there.",
     )
-    stations: int = Field(
+    stations: Annotated[int, Field(strict=True, ge=8, le=1000)] = Field(
         default=STATIONS,
-        ge=8,
-        le=1000,
         description="Number of stations, evenly spaced, on each contact front of solids.",
     )
-    local: bool = Field(
+    local: StrictBool = Field(
         default=True,
         description="Whether the plane problem next to every station of solids is solved, which "
         "gives its slip zones where the elements of the bodies do not resolve them.",
     )
-    ends: bool = Field(
+    ends: StrictBool = Field(
         default=False,
         description="Whether parts around the free end with the largest |ΔK| are solved after the "
         "run, as by fretfe submodel --run. It takes geometry.solid.",

@@ -142,9 +142,7 @@ def with_limit_warnings(
     def warned(contact: Contact) -> Contact:
         own = [limit for limit in told if limit.contact == contact.name]
         doubtful = tuple(limit.caution for limit in own if limit.doubtful)
-        others = tuple(
-            limit.caution for limit in own if not (doubtful and limit.kind in CHECK_UNITS)
-        )
+        others = tuple(each.caution for each in own if not (doubtful and each.kind in CHECK_UNITS))
         return replace(contact, warnings=(*doubtful, *contact.warnings, *others))
 
     return tuple(warned(each) for each in contacts)

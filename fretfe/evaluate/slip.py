@@ -116,6 +116,24 @@ def half_cycles(
     return found[:-1] if memory.cut_off(inside[-1], inside[:-1]) else found
 
 
+def slip_zones(
+    cycle: States, friction: Array, station: StationHistory, find_border: FindBorder
+) -> tuple[SlipZone, ...]:
+    """Slip zones of an edge between similar bodies in its half cycles.
+
+    Args:
+        cycle: states of the evaluated cycle.
+        friction: (T,) coefficient in the step that ends at each state.
+        station: position and factors.
+        find_border: gives the slip zone of a half cycle.
+    """
+    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
+    if memory is None:
+        return ()
+    halves = half_cycles(cycle, memory, irregular=False, pressed=False)
+    return zones_of(cycle, memory, halves, find_border)
+
+
 def zones_of(
     cycle: States,
     memory: EdgeMemory,

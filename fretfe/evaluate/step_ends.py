@@ -101,9 +101,7 @@ class StepEnds:
         return replace(
             contact,
             fronts=self._fronts(contact.fronts),
-            patches=tuple(
-                replace(each, **self._histories(each, PATCH)) for each in contact.patches
-            ),
+            patches=tuple(replace(one, **self._histories(one, PATCH)) for one in contact.patches),
             work=work,
             **self._histories(contact, known),
         )

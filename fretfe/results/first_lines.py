@@ -277,12 +277,12 @@ def _trust(contact: Contact, station: Station, doubts: tuple[str, ...]) -> str:
 def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     """Reasons to doubt the numbers of a station."""
     zone, judgement = station.longest_zone, longest_verdict(station)
-    agrees = judgement.verdict is Verdict.AGREES
+    agrees, still = judgement.verdict is Verdict.AGREES, station.friction == 0 or _still(station)
     if lost_ones := _lost(run):
         yield f"nothing is known of {places(lost_ones)}, which may be worse"
     if run.failure is not None:
         yield Kind.INCOMPLETE.seen
-    elif run.loads.cycle is None and station.friction != 0 and math.isnan(station.largest_range):
+    elif not (run.loads.cycle or still or station.largest_range >= 0):
         yield Kind.NO_CYCLE.seen
     # Of these numbers slip alone depends on what was before; it may agree with what does not.
     elif not (contact.steady or agrees) and math.isfinite(contact.cycle_change):

@@ -176,3 +176,11 @@ def test_tables_of_a_program_are_counted_before_they_are_copied() -> None:
     tables = {"bodies": dict.fromkeys(map(str, range(1_000_000)), 1)}
     with pytest.raises(CaseError, match="at most 20000 keys in all tables, found 1000001"):
         load_case(tables)
+
+
+@pytest.mark.parametrize(
+    ("key", "value"), [("stations", "20"), ("stations", 20.0), ("local", "true"), ("ends", 1)]
+)
+def test_nothing_is_made_of_another_kind(key: str, value: object) -> None:
+    found = refused(pad(edges={key: value}))
+    assert f"edges.{key}: " in found and found.endswith(f" {value!r}")

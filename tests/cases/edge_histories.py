@@ -8,9 +8,8 @@ from dataclasses import replace
 import numpy as np
 
 from fretfe._typing import Array
-from fretfe.evaluate.contacts import SlipZone, StationHistory
-from fretfe.evaluate.edge_memory import EdgeMemory
-from fretfe.evaluate.slip import FindBorder, States, half_cycles, last_state, zones_of
+from fretfe.evaluate.contacts import StationHistory
+from fretfe.evaluate.slip import States, last_state
 
 # Hold of an edge that stands still, over the largest change of its factors.
 FAR = 1e3
@@ -56,21 +55,3 @@ def in_cycle(cycle: States, station: StationHistory) -> StationHistory:
     """The history of a station, with the first and last state that count in it."""
     first = int(cycle[0]) if len(cycle) else -1
     return replace(station, last=last_state(cycle, station), first=first)
-
-
-def slip_zones(
-    cycle: States, friction: Array, station: StationHistory, find_border: FindBorder
-) -> tuple[SlipZone, ...]:
-    """Slip zones of an edge between similar bodies in its half cycles.
-
-    Args:
-        cycle: states of the evaluated cycle.
-        friction: (T,) coefficient in the step that ends at each state.
-        station: position and factors.
-        find_border: gives the slip zone of a half cycle.
-    """
-    memory = EdgeMemory.of(station, friction, last_state(cycle, station))
-    if memory is None:
-        return ()
-    halves = half_cycles(cycle, memory, irregular=False, pressed=False)
-    return zones_of(cycle, memory, halves, find_border)

@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.edge_histories import edge_history, slip_zones
+from cases.edge_histories import edge_history
 from cases.pad_cases import HOLD, TOP, pad, wave
 
 import fretfe
 from fretfe.case import Case, parse_case
-from fretfe.evaluate.slip import SlipBorder
+from fretfe.evaluate.slip import SlipBorder, slip_zones
 from fretfe.report.page.tables import contact_table, station_table
 from fretfe.results.model import Result
 

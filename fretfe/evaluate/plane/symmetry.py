@@ -148,9 +148,7 @@ class _Image:
         """Values (T, N) at the nodes; twice as large in the middle if they are sums."""
         factor = np.where(self.middle & twice, 2, 1).astype(values.dtype)
         shape = (values.shape[0], len(self.nodes))
-        return StateArray(
-            shape, values.dtype, lambda states: values[states][:, self.nodes] * factor
-        )
+        return StateArray(shape, values.dtype, lambda each: values[each][:, self.nodes] * factor)
 
     def vectors(self, values: StateArray | Any, first: int) -> StateArray:
         """Components (T, N, d, ...) of which that along the arc, the `first`, is odd."""

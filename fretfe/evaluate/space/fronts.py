@@ -331,9 +331,7 @@ def _with_ends(points: Array, ends: Array, mirrors: Mirrors) -> Array:
     for end, (near, next_one) in zip(ends, (points[:2], points[-1:-3:-1]), strict=True):
         along = (near - next_one) / np.linalg.norm(near - next_one)
         rows.append(near + ((end - near) @ along) * along)
-    first, last = (
-        row[None][mirror is not None :] for row, mirror in zip(rows, mirrors, strict=True)
-    )
+    first, last = (row[None][plane is not None :] for row, plane in zip(rows, mirrors, strict=True))
     return np.vstack([first, points, last])
 
 

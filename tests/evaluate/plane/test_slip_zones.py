@@ -8,7 +8,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from cases.edge_histories import edge_history, slip_zones
+from cases.edge_histories import edge_history
 
 from fretfe.analytic._numerics import Side
 from fretfe.evaluate.contacts import StationHistory
@@ -18,7 +18,7 @@ from fretfe.evaluate.growth import zone_growth
 from fretfe.evaluate.plane.edge_fits import edge_fits
 from fretfe.evaluate.plane.section import PlaneFront, plane_front
 from fretfe.evaluate.plane.slip import slip_border_of
-from fretfe.evaluate.slip import SlipBorder, slip_in_steps
+from fretfe.evaluate.slip import SlipBorder, slip_in_steps, slip_zones
 from fretfe.evaluate.warnings import plane_warnings
 from fretfe.history.solution import OPEN, SLIP, STICK, ContactHistory, FullStickUnits
 from fretfe.reason import Kind

@@ -13,7 +13,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from cases.edge_histories import slip_zones
 from cases.solid_runs import (
     FRICTION,
     K_N,
@@ -39,7 +38,7 @@ from fretfe.errors import CaseError, ConvergenceError, ModelError, OutputError
 from fretfe.evaluate.contacts import Frame, Station
 from fretfe.evaluate.cycles import same_cycles
 from fretfe.evaluate.edge_tractions import HalfCycleEnd, edge_nodes, half_cycle_ends
-from fretfe.evaluate.slip import SlipBorder, cycle_states
+from fretfe.evaluate.slip import SlipBorder, cycle_states, slip_zones
 from fretfe.evaluate.space.local import add_local_problems
 from fretfe.evaluate.space.pressure_fit import load_growth
 from fretfe.evaluate.verdicts import judge
