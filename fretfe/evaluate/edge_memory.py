@@ -332,13 +332,15 @@ class EdgeMemory:
 
         So they do between finite bodies that slip. And the instant in which a zone is longest.
         """
-        ends, before = [half.start, half.end], half.end - 1
+        ends, beside = [half.start, half.end], (half.end - 1, half.end + 1)
         missed = float(np.diff(self.gained[ends] - self.station.hold[ends])[0])
         missed *= 2 * float(self.friction[half.end] * self.station.unit[half.end])
-        earlier = replace(half, end=before, front=float(self.slip.front[before]))
-        apart = self.equivalent_range(half) - self.equivalent_range(earlier)
-        between = self.times[half.end] % 1 and math.isfinite(apart)
-        return math.hypot(missed, apart if between else 0.0)
+        # A zone may jump in an instant, and is as long as in the next or in the last one.
+        near = (replace(half, end=e, front=self.slip.front[e]) for e in beside if e <= self.last)
+        size = self.equivalent_range(half)
+        apart = np.abs([size - self.equivalent_range(each) for each in near])
+        least = float(np.min(apart[np.isfinite(apart)], initial=size))
+        return math.hypot(missed, least if self.times[half.end] % 1 else 0.0)
 
     @property
     def sure(self) -> bool:

@@ -119,14 +119,14 @@ def with_own_cycle(solution: Solution, contact: ContactHistory) -> Solution:
         return solution
     first, last = solution.cycle
     force = normal_force(contact)
-    inside = _with_edges(contact, force, first, last)
-    if not inside.any():
+    if not (inside := _with_edges(contact, force, first, last)).any():
         return solution
     ends = np.flatnonzero(np.diff(inside, prepend=False, append=False)).reshape(-1, 2)
     runs = [(first + int(begin), first + int(end) - 1) for begin, end in ends]
     shear, pressed = _resultant(contact, 1), [force[begin : end + 1].max() for begin, end in runs]
     heavy = [run for run, each in zip(runs, pressed, strict=True) if 2 * each >= max(pressed)]
-    widest = _largest(heavy, [np.ptp(shear[begin : end + 1]) for begin, end in heavy])
+    least = EQUAL_LOADS * max(pressed)  # of a shear force that is not round-off
+    widest = _largest(heavy, [max(np.ptp(shear[begin : end + 1]), least) for begin, end in heavy])
     own = _largest(widest, [force[begin : end + 1].max() for begin, end in widest])[-1]
     beside = [mine for mine, whole in zip(own, (first, last), strict=True) if mine != whole]
     cut = contact.node_range is not None and force[beside].max(initial=0.0) > (

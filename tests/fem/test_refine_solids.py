@@ -164,7 +164,7 @@ def test_a_mesh_that_tells_fewer_fronts_is_not_taken(monkeypatch: pytest.MonkeyP
     fronts = iter((0, 2, 2, 1))  # of no mesh and the first, and of both
     monkeypatch.setattr(meshes, "fronts_told", lambda _: next(fronts))
     geometry = {"template": "sphere", "parameters": {"size": 0.35, "growth": 0.6}}
-    result = BACKEND.solve(case(geometry, stations=8.0, local=False), RunOptions())
+    result = BACKEND.solve(case(geometry, stations=8, local=False), RunOptions())
     refinement = result.refinement
     assert result.failure is None and refinement is not None
     assert len(refinement.passes) == 1

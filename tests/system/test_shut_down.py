@@ -164,3 +164,24 @@ def test_that_nothing_slips_is_to_be_trusted_without_a_cycle(tension: float) -> 
     assert result.loads.cycle is None
     assert result.headline.trust == "trusted", result.headline.doubts
     assert "nothing slips" in result.headline.sentences.worst
+
+
+@pytest.mark.parametrize("steps", [1, 3])
+def test_a_zone_that_jumps_as_loads_turn_has_its_bar(steps: int) -> None:
+    """P and tension go on in proportion, and back: what was covered then slips in an instant."""
+    points = (513.0, 477.0, 749.0, 0.0), (0.0,) * 4, (0.0, 15.0, 32.0, 0.0)
+    result = run("cylinder", *points, 0.3, steps)
+    assert result.headline.trust == "trusted", result.headline.doubts
+    for station in result.contacts[0].stations:
+        assert station.equivalent_range == pytest.approx(5.246, rel=3e-3)
+        assert station.equivalent_spread < 0.01 * station.equivalent_range
+
+
+@pytest.mark.parametrize("steps", [3, 15])
+def test_no_round_off_of_shear_forces_chooses_a_part_of_a_mission(steps: int) -> None:
+    """Tension alone, and a contact that opens: the larger range is after that."""
+    points = (600.0, 0.0, 600.0, 500.0, 0.0), (0.0,) * 5, (30.0, 30.0, 0.0, 40.0, 0.0)
+    result = run("cylinder", *points, 0.5, steps)
+    assert result.headline.larger == ""
+    for station in result.contacts[0].stations:
+        assert station.equivalent_range == pytest.approx(8.62, rel=3e-3)
