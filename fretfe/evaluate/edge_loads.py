@@ -90,9 +90,8 @@ def _powers(terms: Array, force: Array) -> Array:
     if not size.min(initial=0.0) < -VANISHING:
         return np.zeros(terms.shape[1:])
     large = terms.min(axis=0) > CANCELS * np.median(terms, axis=0).max(axis=1, keepdims=True)
-    each = np.log(np.where(large, terms, 1.0))
-    found = np.tensordot(size - size.mean(), each, 1) / (len(size) * size.var())
-    return np.asarray(found.clip(VANISHING - 1, 1.0))
+    found = np.tensordot(size - size.mean(), np.log(np.where(large, terms, 1.0)), 1) / len(size)
+    return np.asarray((found / size.var()).clip(VANISHING - 1, 1.0))
 
 
 def returned(
@@ -136,7 +135,7 @@ def unlike_loads(k_i: Array, along: Array, touching: Bools, most: float) -> Edge
     Args:
         k_i: (T,) K_I.
         along: (T,) K along a direction.
-        touching: as of `edge_loads`.
+        touching: (T,) states in which there is contact.
         most: hold in the last known state, with which the contact does not slide as a whole.
     """
     known = k_i[np.isfinite(k_i)]
@@ -184,13 +183,14 @@ def _size_of_edge(
     length = np.linalg.norm(steps, axis=1)
     way = np.cumsum(steps, axis=0) - steps / 2
     way -= length @ way / (length.sum() or 1.0)
-    _, values, sets = np.linalg.svd(way * np.sqrt(length)[:, None], full_matrices=False)
+    # A line has its own extent about its middle, whose square is a twelfth of its length's.
+    rows = np.vstack([way, steps / np.sqrt(12)]) * np.sqrt(np.tile(length, 2))[:, None]
+    _, values, sets = np.linalg.svd(rows, full_matrices=False)
     beside = float(values[1] / values[0]) if len(values) > 1 and values[0] > 0 else 0.0
     shares = np.divide(sets[0], sizes, where=sizes > 0, out=np.zeros_like(sizes))
     together, apart = np.abs(units @ shares), np.linalg.norm(units * shares, axis=1)
     # Drivers that cancel one another at a place are no measure of its size.
-    cancel = bool((together[known] < CANCELS * apart[known]).any())
-    size = apart if cancel else together
+    size = apart if (together[known] < CANCELS * apart[known]).any() else together
     size = np.where(size > 0, size, np.nan) if size[known].any() else np.where(known, 1.0, np.nan)
     return size, beside
 

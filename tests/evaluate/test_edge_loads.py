@@ -51,6 +51,25 @@ def test_hold_counts_from_where_bodies_touch(few: list[int]) -> None:
     assert found.hold[6] == 0 and abs(found.hold[4] - found.hold[2]) < 0.2 * found.hold[2]
 
 
+def test_how_far_drivers_are_apart_is_that_of_the_way_in_any_steps() -> None:
+    """Q, then tension, under constant P: a right angle."""
+    corners = np.array([[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [1.0, 1.0, 1.0]])
+    found = []
+    for steps in (1, 2, 20):
+        at = np.linspace(0.0, 3.0, 3 * steps + 1)
+        drivers = np.array([np.interp(at, np.arange(4), each) for each in corners.T]).T
+        force = drivers[:, 0]
+        units = np.zeros((len(at), 2, 3))
+        units[:, 0, 0] = units[:, 1, 1] = units[:, 1, 2] = 1.0
+        rough = np.ones(len(at), dtype=bool)
+        found.append(
+            edge_loads(units, drivers, rough, force, np.array([1.0, 0.0]), len(at) - 1).apart
+        )
+    np.testing.assert_allclose(found, found[-1], rtol=1e-12)
+    # Second moments about the middle of an L, along its axes: 1/12 and 1/3.
+    assert found[-1] == pytest.approx(0.5, rel=1e-12)
+
+
 def test_k_n_goes_with_the_hold_where_fits_hardly_know_it() -> None:
     """A sphere, K_N as P^(1/6): known at most P, hardly at others; what is far from both stays."""
     force = np.array([0.0, 1.0, 0.8, 0.65, 0.5, 0.1, 1.0])
