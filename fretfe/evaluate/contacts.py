@@ -202,8 +202,8 @@ class SlipZone:
         """The length within steps, as well as it is known, by which the longer zone is found."""
         if self.gross or self.unknown:
             return math.inf
-        guesses = (self.told[0], self.local, self.length, self.prediction, math.inf)
-        return next(float(each) + self.missed for each in guesses if not math.isnan(each))
+        longer = self.missed + np.array([self.local, self.length, self.prediction, math.inf])
+        return next(float(each) for each in (self.told[0], *longer) if not math.isnan(each))
 
     @property
     def within_step(self) -> bool:
