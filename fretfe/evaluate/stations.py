@@ -381,8 +381,7 @@ class EdgeData(ABC):
             return unlike_loads(history.k_i, along, self.steps.touching, most)
         units, drivers = self.factors.units[:, number], self.steps.solution.driver_values
         friction, touching = self.steps.friction, self.steps.touching
-        force = np.where(touching, self.force, 0.0)
-        found = edge_loads(units, drivers, friction, force, direction, self.last)
+        found = edge_loads(units, drivers, friction, self.force, direction, self.last)
         found = returned(found, drivers, friction & touching, self.steps.cycles)
         if self.factors.exact:
             return without_traces(found, exact=True)

@@ -247,7 +247,7 @@ def _no_formula(station: Station, zone: SlipZone) -> str:
 
 
 def _unresolved(station: Station, zone: SlipZone) -> str:
-    """Reason why the mesh does not resolve a slip zone, in words."""
+    """Reason why the mesh or the steps do not resolve a slip zone, in words."""
     size = station.size
     if zone.within_step:
         longer = f"is up to {rounded(zone.missed, 2)} longer within a step: make shorter steps"

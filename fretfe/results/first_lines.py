@@ -304,8 +304,8 @@ def _doubts(run: Result, contact: Contact, station: Station) -> Iterator[str]:
     # What nodes do not show the plane problem next to the station does.
     shown = zone is None or zone.resolved or math.isfinite(zone.reported_local)
     if judgement.verdict is Verdict.NOT_RESOLVED or not shown:
-        left = "steps do" if zone is not None and zone.within_step else "mesh does"
-        yield f"the {left} not resolve the slip zone"
+        hiding = "steps do" if zone is not None and zone.within_step else "mesh does"
+        yield f"the {hiding} not resolve the slip zone"
     elif judgement.verdict is Verdict.DIFFERS and station.coupling == 0:
         yield "the slip zone found is not the one predicted"
     elif zone is not None and judgement.verdict is Verdict.UNKNOWN and not withheld(station):

@@ -298,8 +298,7 @@ def _station(
     last = int(cycle[-1]) if len(cycle) else len(position) - 1
     own = [] if problem.history.cycle is None else [problem.history.cycle]
     touching, rough = contact.right > contact.left, problem.friction > 0
-    force = np.where(touching, problem.normal_force, 0.0)
-    held = edge_loads(units, values, rough, force, np.array([1.0, 0.0]), last)
+    held = edge_loads(units, values, rough, problem.normal_force, np.array([1.0, 0.0]), last)
     held = returned(held, values, rough & touching, own)
     history = StationHistory(
         front.name, 0, position, exact, k_n, exact,

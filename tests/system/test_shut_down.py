@@ -7,6 +7,7 @@ large a flat still is, and what sums under several drivers miss is all that fric
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import Any
 
@@ -145,6 +146,20 @@ def test_tension_measures_an_edge_alike_in_any_steps(
     assert result.headline.trust == "trusted", result.headline.doubts
     for station in result.contacts[0].stations:
         assert station.equivalent_range == pytest.approx(expected, rel=3e-3)
+
+
+def test_a_zone_that_is_longest_within_a_step_is_not_told_by_a_shorter_one(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """With 8 steps a ramp .063; at the ends of one step .045 and .039."""
+    monkeypatch.setitem(FORMS, "flat_rounded", {"flat_half_width": 1.0, "radius": RADIUS})
+    points = (400.0, 130.0, 400.0, 130.0, 400.0), (0.0, 20.0, -40.0, 0.0, 60.0)
+    result = run("flat_rounded", *points, (3.0, -3.0, 3.0, 3.0, 0.0), 0.4, 1)
+    worst = result.headline.worst
+    assert worst is not None and worst.zone is not None
+    assert worst.name == "main.right" and math.isnan(worst.zone.length)
+    assert "the steps do not resolve the slip zone" in result.headline.doubts
+    assert "make shorter steps" in worst.zone.reason
 
 
 @pytest.mark.parametrize("steps", [1, 2])
